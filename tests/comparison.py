@@ -16,21 +16,17 @@ VARIANTS = {
     "default": {},
     "gradient_correction": {"numerics.gradient_correction": {"min_determinant": 0.3}},
     "free_slip": {"walls.sides": "free_slip", "walls.layers": 4},
-    "loss by slip": {
+    "at rest": {"soil.K0": 0.8, "gravity.initial_stress": "geostatic", "gravity.ramp": 0.0},
+    # The terms of the soil that keep arrays of their own in the state, in one scene.
+    "all states": {
         "coupling.solid_after_failure": "elastic_plastic",
         "coupling.gamma": 0.0,
         "coupling.softening": {"slip_at_peak": 1e-4, "slip_at_residual": 0.01, "width": 7.5},
-    },
-    "initial arrangement": {"numerics.reference": "initial", "soil.youngs_modulus": 5e4},
-    "at rest": {"soil.K0": 0.8, "gravity.initial_stress": "geostatic", "gravity.ramp": 0.0},
-    "interface": {
-        "coupling.solid_after_failure": "elastic_plastic",
+        "numerics.reference": "initial",
         "numerics.interfaces": "weaker",
+        "soil.youngs_modulus": 5e4,
         "water": {"pressure": "carried", "r_u": 0.05},
         "layers": {"weak": {"region": {"kind": "depth", "bottom": 8.0}, "soil": {"cohesion": 100.0, "friction_angle": 18.0}}},
-    },
-    "seam": {
-        "coupling.solid_after_failure": "elastic_plastic",
         "seams": {
             "clay": {
                 "points": [[30.0, 2.0], [105.0, 24.0]],

@@ -12,6 +12,7 @@ from synthetic import synthetic, translation
 from sph.output.run import Run
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
+from sph.solver.simulation import Simulation
 
 # On CI the same examples every time, so that a red run is the change's fault; elsewhere hypothesis explores.  A busy machine fails none.
 settings.register_profile("ci", derandomize=True, deadline=None)
@@ -38,6 +39,12 @@ def small_slope() -> SceneBuilder:
 def free_block() -> SceneBuilder:
     """Builder of ``FREE_BLOCK`` with dotted overrides."""
     return lambda overrides: make_scene(merge(FREE_BLOCK, dotted(overrides)))
+
+
+@pytest.fixture
+def without_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Simulations are prepared and make no step, so that none is compiled."""
+    monkeypatch.setattr(Simulation, "advance_steps", lambda self, n_steps: {0: (0, 0)}[n_steps])
 
 
 @pytest.fixture

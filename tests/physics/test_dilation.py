@@ -16,8 +16,12 @@ from sph.stability.standing import divided_strength, weakened
 SHEARED = read_scene("config/scenes/validation/v13_simple_shear.yaml")
 
 
+KEPT: dict[str, Any] = {"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic", "numerics.precision": "double"}
+"""Without a loss of strength; in the precision of the other elements that are sheared (``test_prescribed_motion.py``)."""
+
+
 def scene(changes: dict[str, Any]) -> Scene:
-    return make_scene(merge(SHEARED, dotted({"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic", **changes})))
+    return make_scene(merge(SHEARED, dotted(KEPT | changes)))
 
 
 def history(built: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

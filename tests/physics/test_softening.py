@@ -88,7 +88,11 @@ LAYER = {"layers": {"same": {"region": {"kind": "elevation", "bottom": 0.0}, "sl
 
 @pytest.mark.parametrize(
     ("shape", "changes", "residual"),
-    [("linear", {}, RESIDUAL), ("exponential", {}, RESIDUAL), pytest.param("linear", LAYER, 0.5 * RESIDUAL, id="layer")],
+    [
+        ("linear", {}, RESIDUAL),
+        pytest.param("exponential", LAYER, 0.5 * RESIDUAL, id="layer"),
+        pytest.param("exponential", {}, RESIDUAL, marks=pytest.mark.long),
+    ],
 )
 def test_an_element_follows_the_written_curve(shape: str, changes: dict[str, Any], residual: float) -> None:
     # Simple shear of a block without weight at 0.05 1/s: every particle has one strain, whose mean is itself.  Beyond yield all of the
@@ -104,7 +108,7 @@ def test_an_element_follows_the_written_curve(shape: str, changes: dict[str, Any
     assert np.ptp(stress[-1]) < 1e-3 * COHESION
 
 
-@pytest.mark.parametrize("reference", ["initial", "current"])
+@pytest.mark.parametrize("reference", ["initial", pytest.param("current", marks=pytest.mark.long)])
 def test_rotation_neither_softens_nor_strengthens_an_element(reference: str) -> None:
     # One rate of shear in two planes, without spin, with that of simple shear, and turned by 69 degrees either way on the way.  What the
     # strength is depends on the slip alone: within the 1 % of the curve, of which the spin of the elastic strain, 5e-4 rad, is a part.

@@ -158,6 +158,7 @@ def test_the_interface_to_the_walls_is_divided_as_the_soil_is_and_does_not_softe
     assert weakened(scene, 0.5).walls == scene.walls
 
 
+@pytest.mark.long
 def test_factor_of_safety_on_a_frictional_floor() -> None:
     """F = (mu sigma + c) / tau along the floor, where soil of any strength slides."""
     stress, slope = UNIT_WEIGHT * HEIGHT, math.radians(20.0)

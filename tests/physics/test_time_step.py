@@ -36,6 +36,7 @@ def lattice(free_block: SceneBuilder, ratio: float, **numerics: Any) -> tuple[fl
     return simulation.limit, 2.0 / (simulation.scene.soil.p_wave_speed * lattice_wave_number(simulation.scene))
 
 
+@pytest.mark.usefixtures("without_steps")
 @pytest.mark.parametrize("ratio", [1.3, 2.3])
 def test_measured_limit_of_a_lattice_is_the_theoretical_one(free_block: SceneBuilder, ratio: float) -> None:
     # The iteration approaches from the safe side of nothing stiffer; a finite block is nearly as stiff as the infinite lattice.
@@ -44,11 +45,13 @@ def test_measured_limit_of_a_lattice_is_the_theoretical_one(free_block: SceneBui
     assert limit == pytest.approx(theory, rel=0.01)
 
 
+@pytest.mark.usefixtures("without_steps")
 def test_corrected_gradients_are_stiffer_at_a_free_surface(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})
     assert limit < 0.8 * theory, "the theory of the lattice does not see it"
 
 
+@pytest.mark.usefixtures("without_steps")
 def test_a_step_above_the_limit_measured_at_the_start_is_refused(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})
     step = 0.5 * (limit + theory)
@@ -117,6 +120,7 @@ def test_a_fixed_step_above_the_measured_limit_is_seen(small_slope: SceneBuilder
     step = 0.009
     keys = {
         "numerics.spacing": 2.5, "numerics.smoothing_ratio": 2.3, "numerics.time_step": step, "coupling.S_R": 0.1, "coupling.gamma": 100.0,
+        "coupling.solid_after_failure": "elastic_plastic",
         "duration": 1120 * step, "gravity.duration": 112 * step, "motion.start": 112 * step,
         "outputs.series_interval": 2 * step, "outputs.frame_interval": 28 * step,
     }  # fmt: skip

@@ -187,19 +187,15 @@ def test_the_walk_reaches_every_level() -> None:
     assert len(names) > 50
 
 
-@pytest.mark.parametrize(("name", "field"), KEYS, ids=[name for name, _ in KEYS])
-def test_every_key_has_a_sentence_a_unit_and_a_source(name: str, field: FieldInfo) -> None:
-    assert field.description and field.description.strip()
-    extra = field.json_schema_extra
-    assert isinstance(extra, dict)
-    assert extra.get("unit"), f"{name} has no unit ('-' for none)"
-    assert extra.get("source"), f"{name} has no source"
-
-
-@pytest.mark.parametrize(("name", "field"), KEYS, ids=[name for name, _ in KEYS])
-def test_every_number_has_a_range(name: str, field: FieldInfo) -> None:
-    if field.annotation in (float, int, float | None):
-        assert any(hasattr(m, "gt") or hasattr(m, "ge") for m in field.metadata), f"{name} has no lower limit"
+def test_every_key_has_a_sentence_a_unit_and_a_source_and_every_number_a_range() -> None:
+    for name, field in KEYS:
+        assert field.description and field.description.strip(), name
+        extra = field.json_schema_extra
+        assert isinstance(extra, dict), name
+        assert extra.get("unit"), f"{name} has no unit ('-' for none)"
+        assert extra.get("source"), f"{name} has no source"
+        if field.annotation in (float, int, float | None):
+            assert any(hasattr(m, "gt") or hasattr(m, "ge") for m in field.metadata), f"{name} has no lower limit"
 
 
 def test_slope_dimensions_by_hand() -> None:

@@ -49,10 +49,11 @@ def test_a_factor_is_refused_wherever_it_stands(name: str, unit: str, form: str,
 
 
 @pytest.mark.parametrize(("units", "head"), [(SECONDS, "time (s)"), (METRES, "elevation (m)"), (ACCELERATIONS, "ax"), (METRES, "Z")])
-@pytest.mark.parametrize("factor", FACTORS)
-def test_a_factor_of_any_quantity_is_refused(units: Units, head: str, factor: str) -> None:
-    with pytest.raises(ValueError, match="may state a factor|is not understood"):
-        read_head(f"{head} {factor}", units)
+def test_a_factor_of_any_quantity_is_refused(units: Units, head: str) -> None:
+    for factor in FACTORS:
+        with pytest.raises(ValueError, match="may state a factor|is not understood"):
+            read_head(f"{head} {factor}", units)
+            pytest.fail(factor)
 
 
 @pytest.mark.parametrize(

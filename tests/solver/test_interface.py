@@ -74,6 +74,7 @@ def test_strengths_at_the_mean_pressure_of_the_pair() -> None:
     assert weights(term, 0, 1)[0] == pytest.approx(2.0 * strong / (weak + strong), rel=1e-3)
 
 
+@pytest.mark.usefixtures("without_steps")
 def test_pairs_across_stand_last_and_all_are_there(free_block: SceneBuilder) -> None:
     scenes = two_soils(free_block), two_soils(free_block, {"numerics.interfaces": "both"})
     with_it, without = (Simulation(scene) for scene in scenes)
@@ -105,6 +106,7 @@ def test_other_residual_strengths_alone_make_an_interface(free_block: SceneBuild
     assert Simulation(free_block(RESOLVED | {"layers": layers})).terms.interface is not None
 
 
+@pytest.mark.usefixtures("without_steps")
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])
 def test_forces_and_strain_rates_are_conjugate_whatever_the_weights(free_block: SceneBuilder, correction: dict[str, float] | None) -> None:
     simulation = Simulation(two_soils(free_block, {"numerics.gradient_correction": correction}))
@@ -132,6 +134,7 @@ def test_forces_and_strain_rates_are_conjugate_whatever_the_weights(free_block: 
     assert float(state.ax.sum()) == pytest.approx(0.0, abs=1e-10 * np.abs(state.ax).sum()), "equal and opposite"
 
 
+@pytest.mark.usefixtures("without_steps")
 def test_the_limit_of_the_time_step_is_that_of_soil_that_has_failed(free_block: SceneBuilder) -> None:
     # Weak and strong soil of the same stiffness: the weak rows beside the interface are twice as stiff towards it.
     undamped = {"damping": None, "numerics.artificial_viscosity": None}

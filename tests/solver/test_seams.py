@@ -40,7 +40,7 @@ BLOCK: dict[str, Any] = {
 
 
 @pytest.fixture
-def simulation() -> Simulation:
+def simulation(without_steps: None) -> Simulation:
     made = Simulation(make_scene(BLOCK))
     made.prepare()
     return made

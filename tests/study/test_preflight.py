@@ -378,8 +378,9 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
     def unsearched(*arguments: Any, **options: Any) -> None:
         raise ValueError("no search in this test")
 
-    monkeypatch.setattr("sph.study.preflight.at_peak", lambda static: Peak(stands, 0.4))
-    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: stands)
+    for place in ("sph.study.preflight", "sph.checks.stability"):
+        monkeypatch.setattr(f"{place}.at_peak", lambda static: Peak(stands, 0.4))
+        monkeypatch.setattr(f"{place}.at_residual", lambda static: stands)
     monkeypatch.setattr("sph.checks.stability.extrapolated", unsearched)
     said: list[str] = []
     found = {row.finding.code: row.finding for row in study_stability({"one": seam}, said.append)}

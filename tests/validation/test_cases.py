@@ -51,8 +51,8 @@ def result(scene: dict[str, object], by: str) -> Result:
     return Result(built, xr.Dataset() if by == COMPUTATION else run_search(built, by).dataset())
 
 
-QUICK = ("V1", "V2", "V20")
-"""Cases of stress at rest, dry and wet, and of waves that are tried every time."""
+QUICK = ("V1", "V20")
+"""Cases of stress at rest, dry and wet, that are tried every time; waves are in tests/physics/test_waves.py."""
 
 
 def marks(key: tuple[str, str]) -> list[pytest.MarkDecorator]:

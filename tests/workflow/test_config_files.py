@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,8 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.registry import load_study
+from sph.experiments.registry import CONFIGURED, load_study
+from sph.jobs.catalogue import Catalogue
 from sph.scene.schema import Scene, make_scene
 
 OTHER = """
@@ -72,21 +74,21 @@ def test_numbers_in_a_list_on_snakemakes_command_line_are_text(folder: Path) -> 
     assert f"runs/{name}.nc" in result.stdout and make_scene(made.shared.runs[name].scene).coupling.gamma == 100.0
 
 
-def test_an_experiment_that_there_is_not_is_refused_by_name(folder: Path) -> None:
-    (folder / "bad.yaml").write_text(yaml.safe_dump(STUDY | {"experiments": {"asumptions": "mine.yaml"}}))
-    result = snakemake(folder, "--dry-run", "--configfile", "bad.yaml")
-    assert result.returncode != 0
-    assert (
-        "config: experiments: 'asumptions' is not one of cost-accuracy, resolution, assumptions, robustness, sensitivity, trigger; "
-        "did you mean assumptions?" in result.stdout + result.stderr
-    )
-
-
-def test_an_earlier_name_of_an_experiment_is_refused_with_the_new_one(folder: Path) -> None:
-    (folder / "bad.yaml").write_text(yaml.safe_dump(STUDY | {"experiments": {"limits": "mine.yaml"}}))
-    result = snakemake(folder, "--dry-run", "--configfile", "bad.yaml")
-    assert result.returncode != 0
-    assert "config: experiments.limits: is called assumptions now" in result.stdout + result.stderr
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        (
+            "asumptions",
+            f"'asumptions' is not one of {', '.join(CONFIGURED)}; did you mean assumptions?",
+        ),
+        ("limits", "limits: is called assumptions now"),
+    ],
+)
+def test_an_experiment_that_there_is_not_is_refused_by_name(folder: Path, name: str, told: str) -> None:
+    """By the catalogue that the workflow begins with."""
+    plan = load_study(STUDY | {"experiments": {name: "mine.yaml"}}, [folder])
+    with pytest.raises(ValueError, match=rf"config: experiments[.:] ?{re.escape(told)}"):
+        Catalogue(plan, [folder])
 
 
 def test_an_earlier_name_of_a_target_makes_the_target(folder: Path) -> None:

@@ -56,11 +56,10 @@ def test_a_study_and_a_scene_that_their_user_edits_go_on(folder: Path) -> None:
 def test_the_workflow_notes_the_scene_file_and_refuses_another(folder: Path) -> None:
     note = folder / "results" / "ground" / OWNER
     mine, others = (("--configfile", str(folder / name / "study.yaml")) for name in "ab")
-    assert planned_jobs(folder, *mine)["simulate"] == 1 and planned_jobs(folder, *others)["simulate"] == 1
+    assert planned_jobs(folder, *others)["simulate"] == 1
     assert not note.exists(), "a dry run writes nothing"
     result = snakemake(folder, "--cores", "1", "results/ground/own/stages/gravity.nc", *mine)
     assert result.returncode == 0, result.stderr
     assert note.read_text() == "a/scene.yaml\n"
     refused = snakemake(folder, "--dry-run", *others)
     assert refused.returncode != 0 and "holds results of the scene a/scene.yaml" in refused.stderr + refused.stdout
-    assert planned_jobs(folder, *mine)["simulate"] == 1

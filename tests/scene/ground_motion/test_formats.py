@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -270,20 +271,18 @@ BESIDE = {
 """Columns beside time and acceleration, and what is in them."""
 
 
-@pytest.mark.parametrize("order", [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)])
-@pytest.mark.parametrize("mark", [",", ";", "\t"])
-@pytest.mark.parametrize("beside", BESIDE)
 @pytest.mark.parametrize("name", ACCELERATION)
-def test_names_decide_which_columns_are_read(tmp_path: Path, name: str, beside: str, mark: str, order: tuple[int, ...]) -> None:
-    columns = [("time (s)", [0.0, 0.01, 0.02]), (name, [1.5, -2.5, 3.5]), (beside, BESIDE[beside])]
-    placed = [columns[place] for place in order]
-    rows = [[title for title, _ in placed], *([str(values[at]) for _, values in placed] for at in range(3))]
+def test_names_decide_which_columns_are_read(tmp_path: Path, name: str) -> None:
     path = tmp_path / "a.csv"
-    path.write_text("\n".join(mark.join(row) for row in rows))
-    time, horizontal, *vertical = read_components(path)
-    np.testing.assert_allclose(time, [0.0, 0.01, 0.02])
-    np.testing.assert_allclose(horizontal, ACCELERATION[name] * np.array([1.5, -2.5, 3.5]), rtol=1e-12)
-    assert not vertical
+    for beside, mark, order in itertools.product(BESIDE, ",;\t", itertools.permutations(range(3))):
+        columns = [("time (s)", [0.0, 0.01, 0.02]), (name, [1.5, -2.5, 3.5]), (beside, BESIDE[beside])]
+        placed = [columns[place] for place in order]
+        rows = [[title for title, _ in placed], *([str(values[at]) for _, values in placed] for at in range(3))]
+        path.write_text(text := "\n".join(mark.join(row) for row in rows))
+        time, horizontal, *vertical = read_components(path)
+        np.testing.assert_allclose(time, [0.0, 0.01, 0.02], err_msg=text)
+        np.testing.assert_allclose(horizontal, ACCELERATION[name] * np.array([1.5, -2.5, 3.5]), rtol=1e-12, err_msg=text)
+        assert not vertical, text
 
 
 @pytest.mark.parametrize(
