@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sph.checks.after_run import BRAKED
 from sph.checks.cover_rows import HELD_BELOW, Cover, covers, enough_rows, strata
 from sph.checks.finding import Finding, finding
 from sph.scene.geometry import Bodies
@@ -63,6 +64,11 @@ def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
             keys = ("numerics.spacing", *([f"layers.{layer.name}.region"] if layer.name in scene.layers else []))
             found.append(finding("thin-layer", *keys, subject=layer.name, value=layer.thickness, bound=FEWEST_IN_LAYER))
     return cut + [of_cover(cover, scene) for cover in weak] + found
+
+
+def braked(scene: Scene) -> list[Finding]:
+    """Those with which displacement and run-out of a run of the scene are lower bounds."""
+    return [each for each in of_layers(scene, place_particles(scene)) if each.code in BRAKED]
 
 
 def of_cover(cover: Cover, scene: Scene) -> Finding:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from sph.checks.after_run import after_run
+from sph.checks.layers import braked
 from sph.checks.messages import line
 from sph.command.outputs import check_apart, check_picture, check_writable
 from sph.command.terminal import say, table
@@ -52,12 +53,12 @@ def export(file: Path, vtk: str) -> str:
 
 
 def metrics(file: Path, every: bool, as_json: bool) -> str:
-    """The chief metrics or ``every`` one, with the findings after the run beside them."""
+    """The chief metrics or ``every`` one; beside them the findings after the run, and those before it that make them lower bounds."""
     run = Run.read(file)
     values = measure(run, MetricSettings())
     if as_json:
         return to_json(values, indent=1)
-    say(*(line(each) for each in after_run(run.scene, values)))
+    say(*(line(each) for each in [*braked(run.scene), *after_run(run.scene, values)]))
     shown = {name: f"{value:.4g}" if isinstance(value, float) else str(value) for name, value in values.items()}
     if every:
         return table(("metric", "value", "unit", "definition"), ((row.name, shown[row.name], row.units, row.text) for row in METRICS))

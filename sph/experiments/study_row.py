@@ -22,6 +22,11 @@ def run_values(run: Run, settings: MetricSettings, yield_acceleration: float) ->
     numerics = settings_text(scheme(scene)) + str(unlike(scene))
     if numerics not in _known:
         _known[numerics] = expected_metrics(scene)
+    return measured(run, settings) | _known[numerics] | baseline_metrics(scene, yield_acceleration)
+
+
+def measured(run: Run, settings: MetricSettings) -> dict[str, Value]:
+    """Metrics of a run, and the codes of the findings before and after it."""
     values = measure(run, settings)
-    found = " ".join([*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in after_run(scene, values))])
-    return values | _known[numerics] | baseline_metrics(scene, yield_acceleration) | {FINDINGS.name: found}
+    found = [*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in after_run(run.scene, values))]
+    return values | {FINDINGS.name: " ".join(found)}

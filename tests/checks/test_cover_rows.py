@@ -8,6 +8,7 @@ import pytest
 
 from sph.checks.cover_rows import CLOSE, RUN_OUT_BY_ROWS, covers, enough_rows, run_out
 from sph.checks.finding import Finding
+from sph.checks.layers import braked
 from sph.checks.messages import words
 from sph.checks.scene import findings
 from sph.scene.configuration import dotted, merge
@@ -52,8 +53,10 @@ def test_a_cover_of_few_rows_is_told_with_what_it_does_to_the_run_out() -> None:
     assert (few.code, few.severity, words(few).key) == ("weak-on-strong", "warning", "numerics.spacing")
     assert f"2 rows of particles in 2 m, with which debris runs about {run_out('weaker', 2):.0%}" in words(few).measured
     assert enough is not None and f"at least {enough}, with a spacing of at most {2.0 / enough:.3g} m" in words(few).wanted
+    assert braked(made) == [few]
     resolved = told(scene(0.0, 2.0, **{"numerics.spacing": 2.0 / enough, "numerics.time_step": 2e-4}))
     assert (resolved.code, resolved.severity) == ("cover-rows", "note")
+    assert braked(scene(0.0, 2.0, **{"numerics.spacing": 2.0 / enough, "numerics.time_step": 2e-4})) == []
     assert f"about {run_out('weaker', 1.5):.0%}" in words(told(scene(0.0, 1.5))).measured, "between two that were measured"
 
 

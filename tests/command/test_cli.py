@@ -63,6 +63,15 @@ def test_run_writes_what_plot_and_metrics_read(scene_file: Path, tmp_path: Path)
     assert parse_json(call("metrics", diverged, "--json").stdout)["runout"] is None, "null, not NaN"
 
 
+def test_metrics_say_that_debris_was_braked(scene_file: Path, tmp_path: Path) -> None:
+    """By its scene alone, so that runs stored by earlier versions are told as well."""
+    out = tmp_path / "cover.nc"
+    weak = "layers.weak={region: {kind: depth, bottom: 10}, soil: {cohesion: 20, friction_angle: 20}}"
+    assert call("run", scene_file, "--set", weak, *quick(), "--out", out).exit_code == 0
+    told = call("metrics", out)
+    assert "its run-out is too short" in told.stderr and "[weak-on-strong]" in told.stderr, told.output
+
+
 def test_stages_join_on_the_command_line(scene_file: Path, tmp_path: Path) -> None:
     gravity, rest, whole = (tmp_path / f"{name}.nc" for name in ("gravity", "rest", "whole"))
     assert "paused" in call("run", scene_file, "--until", "gravity", "--out", gravity).stdout

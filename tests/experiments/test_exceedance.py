@@ -28,6 +28,7 @@ def points(runouts: dict[str, list[float]], case: str = "as it is") -> pd.DataFr
         {
             "case": case, "amplitude": amplitude, "seed": str(seed), "still_moving": int(math.isnan(runout) or seed == 2),
             "collapse_class": UNDETERMINED if math.isnan(runout) else "damaged", "runout": runout, "displacement_magnitude": 0.5 * runout,
+            "findings": "",
         }
         for amplitude, values in runouts.items()
         for seed, runout in enumerate(values, start=1)
@@ -53,6 +54,17 @@ def test_the_shares_are_those_counted(tmp_path: Path) -> None:
     assert weak["exceeded"].tolist() == [0.0, 2.0] and weak["exceeding"].tolist() == [1, 0] and set(weak["still_moving"]) == {1}
     displacement = table[(table["metric"] == "displacement_magnitude") & (table["intensity"] == 9.0)]
     assert displacement["exceeded"].tolist() == [0.0, 1.0, 2.0, 4.0]
+
+
+def test_what_is_braked_may_go_further() -> None:
+    """The debris of the third motion, 2 m, counts for every length as if it might exceed it; its depth and width are not known either."""
+    braked = FOUR.assign(findings=np.where(FOUR["seed"] == "3", "weak-on-strong", "cover-rows"))
+    runout = exceedance(braked, SEARCHED).query("metric == 'runout' and intensity == 9.0")
+    assert runout["share_lower"].tolist() == [0.75, 0.5, 0.25, 0.0] and runout["share_upper"].tolist() == [1.0, 1.0, 0.75, 0.5]
+    assert set(runout["braked"]) == {1} and set(runout["diverged"]) == {1}
+    weak, strong = widths(braked, SEARCHED).to_dict("records")
+    assert (weak["width_50"], weak["width_84"], weak["widest"], weak["braked"]) == (0.0, math.inf, 2.0, 1)
+    assert (strong["width_50"], strong["width_84"], strong["widest"]) == (8.0, math.inf, 8.0)
 
 
 def test_what_all_diverged_may_be_any() -> None:

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_hex, to_rgb
 
-from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
+from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, BRAKED, NEVER, UNDECIDED
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.figures_fragility import figure_fragility
 from sph.experiments.trigger.fragility import CONFIDENCE, NO_FIT, TAILS, Lognormal, fitted, fragility, lognormality, resampled, steps
@@ -120,13 +120,24 @@ def test_the_table_counts_all_motions_and_says_it_in_words() -> None:
     assert (curves["probability_lower"] <= curves["probability_upper"]).all()
     assert curves["probability"].is_monotonic_increasing
     (row,) = table.to_dict("records")
-    counts = ("motions", "bracketed", "at_lowest", "never", "undecided", "not_monotone", "diverged")
-    assert [row[name] for name in counts] == [12, 9, 1, 1, 1, 1, 4]
+    counts = ("motions", "bracketed", "at_lowest", "never", "undecided", "braked", "not_monotone", "diverged")
+    assert [row[name] for name in counts] == [12, 9, 1, 1, 1, 0, 1, 4]
     assert row["median_lower"] < row["median"] < row["median_upper"]
     in_g = [f"{row[name] / 9.81:.3g}" for name in ("median", "median_lower", "median_upper")]
     level = f"{row['median']:.3g} m/s² or {in_g[0]} g ({in_g[1]} to {in_g[2]} g, 90% interval)"
     assert f"50 % chance of reaching class collapse at {level}" in row["sentence"]
-    assert "12 motions, 1 of them never reaching it" in row["sentence"]
+    assert "12 motions, 1 of them never reaching it" in row["sentence"] and "braked" not in row["sentence"]
+
+
+def test_braked_motions_have_at_most_an_upper_end() -> None:
+    """One whose debris reaches the place at the highest intensity counts as one reached at the lowest, one that never does not at all."""
+    known = critical()
+    braked = known.copy()
+    braked.loc[1, "outcome"] = braked.loc[2, "outcome"] = BRAKED
+    (row,), (same,) = (fragility(table, "m/s²")[0].to_dict("records") for table in (braked, known))
+    assert (row["braked"], row["at_lowest"], row["undecided"]) == (2, 0, 0)
+    assert row["median"] == same["median"] and row["dispersion"] == same["dispersion"]
+    assert "2 with debris that is braked" in row["sentence"]
 
 
 def test_probability_at_the_median_and_a_dispersion_above() -> None:

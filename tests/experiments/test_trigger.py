@@ -17,6 +17,7 @@ from sph.experiments.registry import load_study
 from sph.experiments.trigger.critical import (
     AT_LOWEST,
     BRACKETED,
+    BRAKED,
     NEVER,
     UNDECIDED,
     block_estimates,
@@ -79,7 +80,7 @@ def line(*classes: str, case: str = "as it is", S_R: str = "0.10", gamma: str = 
     rows = [
         {"case": case, "S_R": S_R, "gamma": gamma, "amplitude": str(at), "round": 0}
         | dict.fromkeys(MEASURED, 1.0)
-        | {"collapse_class": name, "status": "diverged" if name == "undetermined" else "complete", "still_moving": moving}
+        | {"collapse_class": name, "status": "diverged" if name == "undetermined" else "complete", "still_moving": moving, "findings": ""}
         for at, name in enumerate(classes)
     ]
     return pd.DataFrame(rows, columns=names(point_columns(SEARCHED.all)))
@@ -293,7 +294,8 @@ def searched_points(plan: TriggerPlan, search: str, found: Any) -> pd.DataFrame:
         wanted = wanted_points(plan.lattices(search), points, plan.classes(search), number)
         assert not wanted.duplicated().any()
         metrics = [
-            dict.fromkeys(MEASURED, 0.5) | {"status": "complete", "still_moving": 0, "collapse_class": found(*map(float, point[1:-1]))}
+            dict.fromkeys(MEASURED, 0.5)
+            | {"status": "complete", "still_moving": 0, "findings": "", "collapse_class": found(*map(float, point[1:-1]))}
             for point in wanted.itertuples(index=False, name=None)
         ]
         points = measured_points(points, wanted, metrics)
@@ -349,6 +351,25 @@ def test_brackets(classes: tuple[str, ...], outcome: str, lower: float, upper: f
     assert found.critical_intensity == pytest.approx(0.5 * (lower + upper), nan_ok=True)
     assert found.resolution_error == pytest.approx(0.5 * (upper - lower), nan_ok=True)
     assert found.runs == len(classes) and found.diverged == classes.count("undetermined")
+
+
+@pytest.mark.parametrize(
+    ("runouts", "outcome", "upper", "braked"),
+    [
+        ((0.0, 4.0, 12.0, 20.0), BRAKED, 2.0, 2),
+        ((0.0, 4.0), BRAKED, math.nan, 2),
+        ((12.0, 4.0, 20.0), AT_LOWEST, 0.0, 1),
+    ],
+)
+def test_a_bracket_does_not_end_at_braked_debris(runouts: tuple[float, ...], outcome: str, upper: float, braked: int) -> None:
+    """With enough rows of particles it may reach the place at less shaking."""
+    points = line(*["damaged"] * len(runouts)).assign(runout=runouts, findings="weak-on-strong")
+    found = bracket(points, "runout: 10")
+    assert (found.outcome, found.braked, found.diverged, found.diverged_inside) == (outcome, braked, 0, 0)
+    assert math.isnan(found.lower) and found.upper == pytest.approx(upper, nan_ok=True)
+    free = bracket(points.assign(findings="cover-rows"), "runout: 10")
+    assert free.braked == 0 and free.outcome != BRAKED
+    assert bracket(points, "damaged").braked == 0, "classes are as they were"
 
 
 def test_a_class_that_is_left_again_shows_the_last_amplitude_without_it() -> None:

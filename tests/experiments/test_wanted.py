@@ -9,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 from synthetic import PAPER
 
-from sph.experiments.trigger.boundaries import Boundary, block_displacement, in_words, place_of, reached, who_reaches_what
+from sph.experiments.trigger.boundaries import Boundary, block_displacement, in_words, place_of, reached, shown, who_reaches_what
 from sph.measures.metrics import UNDETERMINED, MetricSettings
 from sph.scene.schema import make_scene
 
@@ -34,6 +34,14 @@ READ: Any = TypeAdapter(Boundary).validate_python
 def test_a_run_has_come_to_a_boundary_or_not(wanted: str, answer: bool) -> None:
     assert reached(RUN, wanted) is answer
     assert reached(RUN | {"collapse_class": UNDETERMINED, "runout": math.nan}, wanted) is None
+
+
+@pytest.mark.parametrize(
+    ("wanted", "answer"), [("runout: house", True), ("runout: road", None), ("runout: 12.1", None), ("collapse", False)]
+)
+def test_braked_debris_does_not_show_that_it_stops_short(wanted: str, answer: bool | None) -> None:
+    assert shown(RUN | {"findings": "thin-layer weak-on-strong"}, wanted) is answer
+    assert shown(RUN | {"findings": "thin-layer"}, wanted) is bool(answer)
 
 
 @pytest.mark.parametrize(

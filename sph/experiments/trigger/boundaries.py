@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from pydantic import AfterValidator, BeforeValidator
 
+from sph.checks.after_run import is_braked
 from sph.measures.metrics import CLASSES, COLLAPSE, MetricSettings, class_displacement
 from sph.measures.places import PASSED, PlaceName, column_of
 from sph.scene.schema import Scene
@@ -83,6 +84,15 @@ def reached(run: Mapping[Any, Any], wanted: str) -> bool | None:
         return CLASSES.index(name) >= CLASSES.index(wanted)
     found = bound(wanted)
     return bool(float(run[found.column]) >= found.least)
+
+
+def shown(run: Mapping[Any, Any], wanted: str) -> bool | None:
+    """The same, by its row of the points of a search; None also where its debris is braked before a length or a place.
+
+    With more rows of particles that debris might come there.
+    """
+    found = reached(run, wanted)
+    return None if found is False and wanted not in CLASSES and is_braked(run["findings"]) else found
 
 
 def in_words(wanted: str) -> str:

@@ -2,7 +2,8 @@
 
 What counts is whether a run is of the class or a worse one.  The bracket lies between the first intensity that reached the class
 and the last one below that did not; its middle is the critical intensity, half its width the error of resolution.  A diverged run is
-neither: it never ends a bracket, which extends to the next run that has a class, and it is counted.
+neither: it never ends a bracket, which extends to the next run that has a class, and it is counted.  Nor is one whose debris is braked
+before the length or place: with more rows of particles it might come there.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.experiments.trigger.boundaries import block_displacement, reached
+from sph.experiments.trigger.boundaries import block_displacement, shown
 from sph.experiments.trigger.design import INTENSITIES, Searched
 from sph.experiments.trigger.points import Key, columns_in, label_columns, names
 from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED, MetricSettings
@@ -32,6 +33,7 @@ from sph.study.verdicts import FAILS, HOLDS
 ONE = Searched((Dimension("amplitude", "m/s2", "", False),), "amplitude")
 """Stands for any dimensions where the names and kinds of the other columns are asked for."""
 BRACKETED, AT_LOWEST, NEVER, UNDECIDED = "bracketed", "reached at the lowest", "not reached at the highest", "all diverged"
+BRAKED = "braked"
 """Outcomes of a search."""
 
 
@@ -40,7 +42,8 @@ def bracket_columns(units: str) -> tuple[Variable, ...]:
     return (
         text_column(
             "outcome",
-            f"{BRACKETED}; {AT_LOWEST} or {NEVER} intensity whose run has a class, then the only end; {UNDECIDED}: no run has a class",
+            f"{BRACKETED}; {AT_LOWEST} or {NEVER} intensity whose run has a class, then the only end; {UNDECIDED}: no run has a class; "
+            f"{BRAKED}: debris that does not reach the length or place is braked and might, so that at most an upper end is known",
         ),
         number_column("critical_intensity", units, "middle of the bracket; NaN without one"),
         number_column("resolution_error", units, "half the width of the bracket; NaN without one"),
@@ -60,6 +63,7 @@ def bracket_columns(units: str) -> tuple[Variable, ...]:
         ),
         count_column("runs", "runs at these values"),
         count_column("diverged", "diverged runs among them"),
+        count_column("braked", "those whose debris is braked before the length or place, which are not known to stop there; 0 for a class"),
         number_column("wall_time", "s", "computing time of these runs, shared pre-failure runs included in each"),
     )
 
@@ -111,19 +115,23 @@ class Bracket(NamedTuple):
     lower_failed_fraction: float
     runs: int
     diverged: int
+    braked: int
     wall_time: float
 
 
 def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> Bracket:
     """The bracket of a class from the points that differ in one dimension, the intensity, alone."""
     line = points.assign(value=points[intensity].astype(float)).sort_values("value")
-    line["reached"] = [reached(run, wanted) for run in line.to_dict("records")]
+    line["reached"] = [shown(run, wanted) for run in line.to_dict("records")]
     decided = line[line["reached"].notna()]
     above, standing = (decided[decided["reached"] == verdict] for verdict in (True, False))
     upper = float(above["value"].min())
     below = standing[~(standing["value"] > upper)].tail(1)
     lower, moving, failed = (float(below[name].sum(min_count=1)) for name in ("value", "still_moving", "failed_fraction"))
-    outcome = UNDECIDED if decided.empty else NEVER if math.isnan(upper) else AT_LOWEST if math.isnan(lower) else BRACKETED
+    diverged = line["collapse_class"] == UNDETERMINED
+    braked = line["reached"].isna() & ~diverged
+    unknown = BRAKED if (braked & ~line["value"].gt(upper)).any() else UNDECIDED if decided.empty else AT_LOWEST
+    outcome = unknown if math.isnan(lower) else NEVER if math.isnan(upper) else BRACKETED
     inside = line["value"].gt(lower) & line["value"].lt(upper)
     return Bracket(
         outcome,
@@ -131,13 +139,14 @@ def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> 
         resolution_error=0.5 * (upper - lower),
         lower=lower,
         upper=upper,
-        diverged_inside=int(inside.sum()),
+        diverged_inside=int((inside & diverged).sum()),
         changes=sum(one != other for one, other in itertools.pairwise(decided["reached"])),
         last_not_reached=float(standing["value"].max()),
         lower_still_moving=moving,
         lower_failed_fraction=failed,
         runs=len(line),
-        diverged=len(line) - len(decided),
+        diverged=int(diverged.sum()),
+        braked=int(braked.sum()),
         wall_time=float(line["wall_time"].sum()),
     )
 
@@ -256,7 +265,9 @@ def confirm_columns(searched: Searched) -> tuple[Variable, ...]:
             for name in PAIR[1:]
         ),
         text_column(
-            "verdict", "holds: on this side of the class at both fidelities; fails: on the other side; undetermined: a run diverged"
+            "verdict",
+            "holds: on this side of the class at both fidelities; fails: on the other side; undetermined: a run diverged, or its debris is "
+            "braked before the length or place",
         ),
     )
 
@@ -283,7 +294,7 @@ def confirm_table(ends: pd.DataFrame, points: pd.DataFrame, confirming: Sequence
     rows = []
     for end, other in zip(ends.to_dict("records"), confirming, strict=True):
         own = by_point.loc[tuple(end[name] for name in at)]
-        sides = {reached(run, end["wanted_class"]) for run in (own, other)}
+        sides = {shown(run, end["wanted_class"]) for run in (own, other)}
         rows.append(
             end
             | {name: own[name] for name in PAIR}

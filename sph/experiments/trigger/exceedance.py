@@ -3,7 +3,8 @@ intensities of the shaking, and the width that most of them do not pass.
 
 An empirical curve, no distribution is fitted.  It is taken at the intensities at which all values of the search were run, the ends of its
 first cells at least: those at which only some were run are near their critical intensities, a choice that would distort the share.
-A diverged run has no length: it may exceed any, and counts in the upper share alone.
+A diverged run has no length: it may exceed any, and counts in the upper share alone.  So does a run whose debris is braked, of a length
+that it does not exceed: with more rows of particles it might.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import math
 import numpy as np
 import pandas as pd
 
+from sph.checks.after_run import is_braked
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.points import CASE_COLUMN, label_columns, names
 from sph.measures.metrics import UNDETERMINED
@@ -35,8 +37,9 @@ def exceedance_columns(units: str) -> tuple[Variable, ...]:
         count_column("exceeding", "those with a larger value"),
         count_column("diverged", "diverged ones, whose value is not known"),
         count_column("still_moving", "others that are still moving at their end: their value may become larger"),
-        number_column("share_lower", "1", "exceeding over motions, as if no diverged run exceeded the length"),
-        number_column("share_upper", "1", "exceeding plus diverged over motions, as if all of them did"),
+        count_column("braked", "others whose debris is braked: their value is a lower bound"),
+        number_column("share_lower", "1", "exceeding over motions, as if no diverged or braked run exceeded more than is known"),
+        number_column("share_upper", "1", "exceeding, diverged and braked over motions, as if all of them did"),
     )
 
 
@@ -59,12 +62,13 @@ def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
                 continue
             diverged = runs["collapse_class"] == UNDETERMINED
             moving = int((~diverged & (runs["still_moving"] > 0)).sum())
+            braked = runs.loc[~diverged, "findings"].map(is_braked).to_numpy(bool)
             for name in known:
                 lengths = runs.loc[~diverged, name].to_numpy(float)
                 for length in np.unique(np.append(lengths, 0.0)):
-                    exceeding = int((lengths > length).sum())
-                    counts = (len(runs), exceeding, int(diverged.sum()), moving)
-                    shares = (exceeding / len(runs), (exceeding + int(diverged.sum())) / len(runs))
+                    beyond = lengths > length
+                    counts = (len(runs), int(beyond.sum()), int(diverged.sum()), moving, int(braked.sum()))
+                    shares = (beyond.sum() / len(runs), ((beyond | braked).sum() + diverged.sum()) / len(runs))
                     rows.append((case, intensity, name, float(length), *counts, *shares))
     return pd.DataFrame(rows, columns=list(EXCEEDANCE))
 
@@ -93,8 +97,11 @@ def width_columns(units: str) -> tuple[Variable, ...]:
         count_column("motions", "runs at this intensity, one of every motion or other value"),
         count_column("diverged", "diverged ones, which count as if their run-out were unlimited"),
         count_column("still_moving", "others that are still moving at their end: their run-out may become larger"),
+        count_column("braked", "others whose debris is braked, which count as diverged ones do: their run-out is a lower bound"),
         *(
-            number_column(width_name(share), "m", f"smallest run-out that {share:.0%} of the runs do not pass; infinite: too many diverged")
+            number_column(
+                width_name(share), "m", f"smallest run-out that {share:.0%} of the runs do not pass; infinite: too many are unknown"
+            )
             for share in SHARES
         ),
         number_column("widest", "m", "largest run-out of those that did not diverge"),
@@ -111,6 +118,8 @@ def widths(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
             diverged = runs["collapse_class"] == UNDETERMINED
             if len(runs) == values and np.isnan(runouts).sum() == diverged.sum():
                 widest = float(np.nanmax(runouts)) if not diverged.all() else math.nan
-                counts = (len(runs), int(diverged.sum()), int((~diverged & (runs["still_moving"] > 0)).sum()))
-                rows.append((case, intensity, *counts, *(width_within(runouts, share) for share in SHARES), widest))
+                braked = ~diverged & runs["findings"].map(is_braked)
+                counts = (len(runs), int(diverged.sum()), int((~diverged & (runs["still_moving"] > 0)).sum()), int(braked.sum()))
+                known = np.where(braked, math.nan, runouts)
+                rows.append((case, intensity, *counts, *(width_within(known, share) for share in SHARES), widest))
     return pd.DataFrame(rows, columns=names(width_columns("1")))

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
+from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, BRAKED, NEVER
 from sph.experiments.trigger.design import Searched
 from sph.figures.style import (
     GREY,
@@ -171,6 +171,7 @@ def _marked(rows: pd.DataFrame) -> list[tuple[pd.Series, str, dict[str, Any], st
     doubtful = (rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0))
     marks = [
         (rows["outcome"] == AT_LOWEST, "upper", "v", 7, "at or below the lowest tried"),
+        ((rows["outcome"] == BRAKED) & rows["upper"].notna(), "upper", "v", 7, "at or below: debris is braked there"),
         (rows["outcome"] == NEVER, "lower", "^", 7, "above the highest tried"),
         (doubtful, "critical_intensity", "o", 10, "uncertain bracket"),
     ]

@@ -15,7 +15,7 @@ import pandas as pd
 import scipy  # type: ignore[import-untyped]
 
 from sph.experiments.trigger.boundaries import who_reaches_what
-from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
+from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, BRAKED, NEVER, UNDECIDED
 from sph.experiments.trigger.points import CASE_COLUMN, names
 from sph.scene.units import GRAVITY
 from sph.storage.trajectory import Variable
@@ -209,6 +209,7 @@ def fit_columns(units: str) -> tuple[Variable, ...]:
         count_column("at_lowest", f"those with outcome {AT_LOWEST}: only an upper end is known"),
         count_column("never", f"those with outcome {NEVER}: censored, only a lower end is known"),
         count_column("undecided", f"those with outcome {UNDECIDED}, which say nothing of the fit"),
+        count_column("braked", f"those with outcome {BRAKED}: at most an upper end is known"),
         count_column("not_monotone", "motions for which the class is reached, but not at a higher intensity"),
         count_column("diverged", "diverged runs at all motions"),
         number_column("median", units, "theta, the intensity at which half of the motions reach the class; NaN where there is no fit"),
@@ -231,14 +232,14 @@ FIT = tuple(names(fit_columns("1")))
 
 
 def brackets(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Ends (n,) of the brackets in rows of the table of critical intensities; 0 and infinity where open.  All diverged: left out."""
+    """Ends (n,) of the brackets in rows of the table of critical intensities; 0 and infinity where open.  Those without: left out."""
     known = decided(rows)
     return known["lower"].fillna(0.0).to_numpy(float), known["upper"].fillna(math.inf).to_numpy(float)
 
 
 def decided(rows: pd.DataFrame) -> pd.DataFrame:
     """Those of the rows that have a bracket, open or not."""
-    return rows[rows["outcome"] != UNDECIDED]
+    return rows[rows[["lower", "upper"]].notna().any(axis=1)]
 
 
 def curve_columns(units: str) -> tuple[Variable, ...]:
@@ -284,7 +285,7 @@ def fragility(critical: pd.DataFrame, unit: str, seed: int = SEED) -> tuple[pd.D
     return pd.DataFrame(rows, columns=list(FIT)), drawn
 
 
-OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "undecided": UNDECIDED}
+OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "undecided": UNDECIDED, "braked": BRAKED}
 """Outcomes of a search by the names of the columns that count them."""
 
 
@@ -292,6 +293,8 @@ def sentence(row: dict[str, object], unit: str) -> str:
     """What a row says, with the ``unit`` as it is printed; accelerations in g as well."""
     who, what = who_reaches_what(str(row["collapse_class"]))
     counted = f"{row['motions']} motions, {row['never']} of them never reaching it up to the highest intensity"
+    if row["braked"]:
+        counted += f", {row['braked']} with debris that is braked before it and might reach it"
     median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))
     if math.isnan(median):
         return f"The brackets of {counted}, do not determine the shaking at which {who} has a 50 % chance of reaching {what}."

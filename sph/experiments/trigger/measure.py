@@ -12,6 +12,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
+from sph.experiments.study_row import measured
 from sph.experiments.trigger.annual import annual_table
 from sph.experiments.trigger.critical import (
     block_estimates,
@@ -33,7 +34,7 @@ from sph.experiments.trigger.fragility import fragility
 from sph.experiments.trigger.hazard import read_hazard
 from sph.experiments.trigger.maps import class_shares, map_cells, read_shares
 from sph.experiments.trigger.points import Key, measured_points, no_points, read_points, read_wanted, wanted_points
-from sph.measures.metrics import MetricSettings, measure
+from sph.measures.metrics import MetricSettings
 from sph.output.run import Run
 from sph.scene.schema import Scene
 from sph.study.planned import Planned
@@ -50,7 +51,7 @@ def want_points(lattices: Sequence[Lattice], classes: Sequence[str], number: int
 
 def measure_points(wanted: str, settings: MetricSettings, runs: Runs, points: str = "") -> pd.DataFrame:
     """The points of a round with the metrics of its runs, in their order, after those of the rounds before it."""
-    earlier, metrics = read_points(points) if points else no_points(), [measure(run, settings) for run in runs.values()]
+    earlier, metrics = read_points(points) if points else no_points(), [measured(run, settings) for run in runs.values()]
     return measured_points(earlier, read_wanted(wanted), metrics, settings.places)
 
 
@@ -83,7 +84,7 @@ def trigger_table(
 
 def fragility_table(critical: str, searched: Searched, note: str) -> tuple[pd.DataFrame, pd.DataFrame, Figure]:
     """Probability that the slope reaches a class at an intensity, over the motions of the search: lognormal fits to the brackets, with
-    intervals, and the number of motions that never reach the class, diverged or are not monotone. Every column is defined in
+    intervals, and the number of motions that never reach the class, diverged, are braked or are not monotone. Every column is defined in
     docs/reference/files.md.
     """
     brackets = read_critical(critical)
@@ -112,8 +113,9 @@ def fragility_annual(critical: str, hazard: str, span: tuple[float, float], sear
 
 
 def reach(points: str, scenes: Mapping[Key, Planned], searched: Searched, note: str) -> tuple[pd.DataFrame, pd.DataFrame, Figure]:
-    """Share of the motions whose run-out or displacement exceeds a length, at every intensity at which all motions were run; a diverged run
-    counts in the upper share only. Every column is defined in docs/reference/files.md.
+    """Share of the motions whose run-out or displacement exceeds a length, at every intensity at which all motions were run; a diverged
+    run, and one whose debris is braked before that length, count in the upper share only. Every column is defined in
+    docs/reference/files.md.
 
     The figure has the section of the cases whose scenes, by case and other values, have one ground.
     """
@@ -134,7 +136,7 @@ def want_confirmation(critical: str, points: str, confirm: Mapping[str, Any], se
 
 def confirm_ends(ends: str, points: str, settings: MetricSettings, searched: Searched, runs: Runs) -> pd.DataFrame:
     """The ends of brackets run again at another fidelity: class, displacement of A and run-out at both, and their differences."""
-    return confirm_table(read_ends(ends), read_points(points), [measure(run, settings) for run in runs.values()], searched)
+    return confirm_table(read_ends(ends), read_points(points), [measured(run, settings) for run in runs.values()], searched)
 
 
 def map_tables(

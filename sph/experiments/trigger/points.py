@@ -15,7 +15,7 @@ from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED
 from sph.measures.places import place_columns, places_in
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import Dimension, is_number
-from sph.study.tables import ROW, columns_of, count_column, read_csv, text_column
+from sph.study.tables import FINDINGS, ROW, columns_of, count_column, read_csv, text_column
 
 CASE_COLUMN = text_column("case", "label of the case")
 ROUND_COLUMN = count_column("round", "round of the search that asked for the point: how often the cell that it belongs to has been divided")
@@ -44,7 +44,7 @@ def wanted_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
 
 def point_columns(dimensions: Sequence[Dimension], places: Iterable[str] = ()) -> tuple[Variable, ...]:
     """The columns of a point that was run."""
-    return wanted_columns(dimensions) + tuple(METRIC_BY_NAME[name] for name in MEASURED) + place_columns(places)
+    return (*wanted_columns(dimensions), *(METRIC_BY_NAME[name] for name in MEASURED), FINDINGS, *place_columns(places))
 
 
 def division(lattice: Lattice, runs: Mapping[Key, Mapping[Any, Any]], boundaries: Sequence[str]) -> Callable[[Place], Hashable]:
@@ -97,7 +97,7 @@ def measured_points(
 ) -> pd.DataFrame:
     """The table of the earlier points and those of a round, from the metrics of its runs in its order."""
     rows = [{**point, **found} for point, found in zip(wanted.to_dict("records"), metrics, strict=True)]
-    new = pd.DataFrame(rows, columns=[*wanted.columns, *MEASURED, *names(place_columns(places))])
+    new = pd.DataFrame(rows, columns=[*wanted.columns, *MEASURED, FINDINGS.name, *names(place_columns(places))])
     return by_value(pd.concat([earlier, new], ignore_index=True) if len(earlier) and len(new) else earlier if len(earlier) else new)
 
 
