@@ -24,7 +24,7 @@ from sph.command.study import find_study
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY_FOLDER
 from sph.experiments.sensitivity.tables import sample_columns
-from sph.experiments.study_row import run_values
+from sph.experiments.study_row import measured, run_values
 from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
 from sph.experiments.trigger.points import point_columns
 from sph.jobs.catalogue import ALONE, Catalogue
@@ -173,7 +173,7 @@ def table_of(catalogue: Catalogue, file: str) -> Table:
             return [run.file for run in trigger.runs_at([(row["case"], {axis: row[axis] for axis in trigger.names})])]
 
         columns = point_columns(trigger.dimensions.all, settings.places)
-        return Table(columns, ["case", *trigger.names], searched, lambda runs: measure(runs[0], settings))
+        return Table(columns, ["case", *trigger.names], searched, lambda runs: measured(runs[0], settings))
     if Path(file) == sampled / "sample.csv" or place == sampled / "samples":
         sensitivity, files = catalogue.sensitivity, {run.id: run.file for run in catalogue.sampled.values()}
         return Table(
