@@ -64,7 +64,7 @@ def test_level_ground_keeps_its_ratio(spacing: float, sides: str, ratio: float) 
 
 
 @pytest.mark.parametrize("spacing", [1.0, 0.5])
-@pytest.mark.parametrize("water", [None, WATER], ids=["dry", "wet"])
+@pytest.mark.parametrize("water", [pytest.param(None, id="dry"), pytest.param(WATER, id="wet", marks=pytest.mark.long)])
 def test_each_layer_keeps_its_own_effective_ratio(spacing: float, water: dict[str, Any] | None) -> None:
     scene = level({"soil.K0": 0.6, "layers": CLAY, "numerics.spacing": spacing, "water": water})
     upper, lower = at_rest(scene, 13.0, 17.0), at_rest(scene, 3.0, 7.0)

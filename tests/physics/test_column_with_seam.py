@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 from sph.scene.schema import make_scene
 from sph.solver.run import run
@@ -33,6 +34,7 @@ def settled(seams: dict[str, Any]) -> tuple[float, np.ndarray]:
     return float(data["probe_displacement_y"][-1, 0]), data["stress_xx"].values[-1][inner]
 
 
+@pytest.mark.long
 def test_a_strong_level_seam_changes_nothing() -> None:
     (without, stress), (with_it, seamed) = settled({}), settled({"seam": SEAM})
     np.testing.assert_allclose(with_it, without, rtol=0.01)

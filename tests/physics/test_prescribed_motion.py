@@ -24,6 +24,7 @@ ELEMENT: dict[str, Any] = {
     "geometry": {"shape": "block", "width": 1.0, "height": 1.0},
     "walls": {"base": "none", "sides": "none"},
     "soil": {"density": 2000.0, "youngs_modulus": 1e4, "poisson_ratio": 0.3, "cohesion": 1e5},
+    "coupling": {"solid_after_failure": "elastic_plastic"},
     "damping": None,
     "gravity": {"ramp": 0.0, "duration": 0.01, "damping": 0.0, "acceleration": 0.0},
     "numerics": {
@@ -40,7 +41,7 @@ ELEMENT: dict[str, Any] = {
     "probes": {},
 }
 DT, STEPS = 5e-4, 200
-NOT_SOFTENING = {"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}
+NOT_SOFTENING = {"coupling.gamma": 0.0}
 COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")
 
 

@@ -20,7 +20,10 @@ HEIGHT, DENSITY, RATIO, SIDEWAYS = 10.0, 1900.0, 0.3, 1.0
 
 
 def column(stiffness: float, spacing: float, changes: dict[str, Any] | None = None) -> Scene:
-    """A column of elastic soil between periodic sides, of a Young's modulus (MPa)."""
+    """A column of elastic soil between periodic sides, of a Young's modulus (MPa).
+
+    Its upper half has another strength, which changes nothing before it fails, so that its terms are those of ``test_weak_on_strong.py``.
+    """
     return make_scene(
         merge(
             {
@@ -36,6 +39,7 @@ def column(stiffness: float, spacing: float, changes: dict[str, Any] | None = No
                     "friction_angle": 0.0,
                     "viscosity": 2.0,
                 },
+                "layers": {"other": {"region": {"kind": "elevation", "bottom": 0.5 * HEIGHT}, "soil": {"cohesion": 5e5}}},
                 "coupling": {"gamma": 0.0, "S_R": 0.5},
                 "damping": {"ratio": 0.05, "frequencies": [0.3, 5.0]},
                 "gravity": {"ramp": 4.0, "duration": 10.0, "damping": 3.0},

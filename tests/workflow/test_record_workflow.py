@@ -1,4 +1,4 @@
-"""A study under a recorded motion: the record's file is an input, its amplitude a dimension, and a run repeats without it."""
+"""A study under a recorded motion: its amplitude is a dimension, and a run repeats without its file (changed files: test_contents.py)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from small_scenes import SLOPE
-from test_workflow import STUDY, planned_jobs, snakemake
+from test_workflow import STUDY, snakemake
 from typer.testing import CliRunner
 
 from sph.command.cli import app
@@ -49,13 +49,6 @@ def test_the_amplitude_scales_both_components(shaken: Path) -> None:
         assert np.abs(ground).max() == pytest.approx(peak, rel=1e-6)
         np.testing.assert_allclose(vertical, 0.3 * ground, atol=1e-4 * peak)
         assert trajectory.scene_of(ds).motion.file == "record.csv", "no folder of this machine in a result"
-
-
-def test_a_record_that_has_changed_runs_again(shaken: Path) -> None:
-    arguments = (*RUNS, "--configfile", str(shaken / "study.yaml"))
-    assert planned_jobs(shaken, *arguments) == {}
-    write_record(shaken / "scenes" / "record.csv", 2.0)
-    assert planned_jobs(shaken, *arguments) == {"stage": 3, "simulate": 2}
 
 
 def test_a_run_is_repeated_without_its_record(shaken: Path) -> None:
