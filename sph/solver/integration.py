@@ -157,7 +157,7 @@ def take_stresses(state: State, pairs: Pairs, terms: Terms, time: float, sums: n
     first, last = own_blocks(team)
     for block in range(first, last):
         begin, end = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
-        sums[block, FAILURES], internal = update_stress(state, pairs, terms, team.gradient, team.reached, time, begin, end)
+        sums[block, FAILURES], internal = update_stress(state, pairs, terms, time, team, begin, end)
         sums[block, INTERNAL] = internal * terms.dt
         set_artificial_stress(terms.artificial_stress, state, begin, min(end, terms.n_stressed))
 

@@ -57,7 +57,7 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
     return {
         "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms, team.gradient, 0, n),
         "stress_accelerations": lambda n: stress_accelerations(state, pairs, terms, team.strain_rate, 0, min(n, terms.n_soil)),
-        "update_stress": lambda n: update_stress(strained.state, pairs, terms, team.gradient, team.reached, float(loading.time[now]), 0, n),
+        "update_stress": lambda n: update_stress(strained.state, pairs, terms, float(loading.time[now]), team, 0, n),
         "kick_soil": lambda n: kick_soil(moved.state, terms, mass, loads, 0, n),
         "add_repulsion": lambda n: add_repulsion(
             terms.short_range_repulsion, terms.periodic, terms.seams, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)

@@ -10,6 +10,7 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
+from sph.solver.compiled.threads import make_team
 from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import cauchy_stress, update_stress
@@ -33,7 +34,9 @@ class Bench(NamedTuple):
     def strain(self, gradient: tuple[float, float, float, float], step: int) -> int:
         """One step with the velocity gradient (xx, xy, yx, yy) in 1/s; the number of particles that fail."""
         sums = np.array(gradient)[:, None] * self.state.density
-        failed, _ = update_stress(self.state, self.pairs, self.terms, sums, np.zeros(4, bool), step * DT, 0, 4)
+        (team,) = make_team(1, 4, 0)
+        team.gradient[:] = sums
+        failed, _ = update_stress(self.state, self.pairs, self.terms, step * DT, team, 0, 4)
         return failed
 
     def stress(self) -> np.ndarray:

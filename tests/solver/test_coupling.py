@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from small_scenes import SceneBuilder
 
+from sph.solver.compiled.threads import make_team
 from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import CHUNK, update_stress
@@ -40,7 +41,9 @@ class Mixture(NamedTuple):
         state = State(*(array.copy() for array in self.state))
         failed, internal = 0, 0.0
         for first, last in ranges:
-            new, work = update_stress(state, self.pairs, self.terms, self.gradient, np.zeros(state.x.size, np.bool_), TIME, first, last)
+            (team,) = make_team(1, state.x.size, 0)
+            team.gradient[:] = self.gradient
+            new, work = update_stress(state, self.pairs, self.terms, TIME, team, first, last)
             failed, internal = failed + new, internal + work
         return state, failed, internal
 

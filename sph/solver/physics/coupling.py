@@ -17,7 +17,7 @@ because the wall carries them and not because the slope does not stand: such a o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,7 @@ from sph.solver.physics.yield_surface import limit_tension, return_factor, shear
 from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
 
 if TYPE_CHECKING:
+    from sph.solver.compiled.threads import Team
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.material import Material
     from sph.solver.physics.mohr_coulomb import MohrCoulomb
@@ -53,6 +54,13 @@ OFF_THE_SURFACE = 0.95
 
 CHUNK = 64
 """Particles treated together: the states that none of them needs are left out, and the loops over them vectorise."""
+
+
+class Surfaces(NamedTuple):
+    """Yield surfaces of the two states, None for a state that does not matter to any particle of a chunk."""
+
+    solid: MohrCoulomb | None
+    fluid: MohrCoulomb | None
 
 
 @jit
@@ -94,7 +102,7 @@ def blended(state: State, terms: Terms, i: int) -> tuple[float, Deviator]:
 
 @slot
 def _of_particle(surface: MohrCoulomb | None, own: MohrCoulomb) -> MohrCoulomb | None:
-    """A particle's ``own`` yield surface of a state that some particle of a chunk needs; None where no ``surface`` is given."""
+    """A particle's ``own`` surface in the place of that of its chunk; None where that is None."""
     return None
 
 
@@ -165,22 +173,12 @@ def _yield(
 
 
 @jit
-def _advance_chunk(
-    solid: MohrCoulomb | None,
-    fluid: MohrCoulomb | None,
-    state: State,
-    pairs: Pairs,
-    terms: Terms,
-    gradient: np.ndarray,
-    reached: np.ndarray,
-    time: float,
-    first: int,
-    last: int,
-) -> float:
-    """Density, both states, beta and stress of particles first to last; a state whose yield surface is None does not matter to any.
+def _advance_chunk(surfaces: Surfaces, state: State, pairs: Pairs, terms: Terms, time: float, team: Team, first: int, last: int) -> float:
+    """Density, both states, beta and stress of particles first to last.
 
-    Notes in ``reached`` (n,) who reached the failure surface; returns the internal work over dt, W/m.
+    Notes in ``team.reached`` who reached the failure surface; returns the internal work over dt, W/m.
     """
+    gradient, reached = team.gradient, team.reached
     half = 0.5 * terms.cell_mass
     internal = 0.0
     for i in rows(first, last):
@@ -191,7 +189,7 @@ def _advance_chunk(
         density = max(state.density[i] * (1.0 - (l_xx + l_yy) * terms.dt), terms.least_density)
         state.density[i] = density
         p = pressure(soil.bulk_modulus, density, terms.reference_density)
-        own_solid, own_fluid = _of_particle(solid, soil.solid), _of_particle(fluid, soil.fluid)
+        own_solid, own_fluid = _of_particle(surfaces.solid, soil.solid), _of_particle(surfaces.fluid, soil.fluid)
         rate = elastic_rate(soil.shear_modulus, strain)
         beta = _update_beta(own_fluid, terms, soil, state, i)
         p_fluid, s_fluid = _update_fluid(own_fluid, terms, soil, state, i, p, strain, time)
@@ -248,12 +246,10 @@ def _any_reached(reached: np.ndarray, first: int, last: int) -> bool:
 
 
 @jit
-def update_stress(
-    state: State, pairs: Pairs, terms: Terms, gradient: np.ndarray, reached: np.ndarray, time: float, first: int, last: int
-) -> tuple[int, float]:
+def update_stress(state: State, pairs: Pairs, terms: Terms, time: float, team: Team, first: int, last: int) -> tuple[int, float]:
     """Advance density, both states and beta of particles first to last to ``time`` (s).
 
-    ``gradient`` (4, n) holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy.  Notes in ``reached`` (n,)
+    ``team.gradient`` holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy.  Notes in ``team.reached``
     who reached the failure surface; returns the number of particles that failed and the internal work over dt, W/m.
     """
     solid, fluid = terms.soil.solid, terms.soil.fluid
@@ -268,13 +264,13 @@ def update_stress(
             some_to_arm |= state.phase[i] != ARMED and state.phase[i] != FAILED
             some_solid |= state.beta[i] > 0.0
         if not some_failed:
-            internal += _advance_chunk(solid, None, state, pairs, terms, gradient, reached, time, begin, end)
+            internal += _advance_chunk(Surfaces(solid, None), state, pairs, terms, time, team, begin, end)
         elif some_solid:
-            internal += _advance_chunk(solid, fluid, state, pairs, terms, gradient, reached, time, begin, end)
+            internal += _advance_chunk(Surfaces(solid, fluid), state, pairs, terms, time, team, begin, end)
         else:
-            internal += _advance_chunk(None, fluid, state, pairs, terms, gradient, reached, time, begin, end)
-        if time >= terms.armed_from and (some_to_arm or some_armed and _any_reached(reached, begin, end)):
-            failed += _arm_and_fail(state, terms, reached, begin, end, time)
+            internal += _advance_chunk(Surfaces(None, fluid), state, pairs, terms, time, team, begin, end)
+        if time >= terms.armed_from and (some_to_arm or some_armed and _any_reached(team.reached, begin, end)):
+            failed += _arm_and_fail(state, terms, team.reached, begin, end, time)
     return failed, internal
 
 
