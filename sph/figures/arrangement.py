@@ -16,7 +16,7 @@ from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 
 from sph.figures.history import shade_shaking
 from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
-from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled
+from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled, written
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.layers import DepthRegion, ElevationRegion, LayerMaterial, PolygonRegion
@@ -24,6 +24,7 @@ from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.places import Shape
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
+from sph.study.dimensions import named
 
 SOIL_COLOUR = "#d9c9a8"
 SEAM_COLOUR = "#8c2d04"
@@ -220,7 +221,7 @@ def _material(scene: Scene) -> list[str]:
     return [
         f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
         f"φ = {soil.friction_angle:g}°; failed: {_kept(material)}, "
-        f"γ = {material.gamma:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
+        f"{named('gamma').equation(material.gamma)}, η = {soil.viscosity:g} Pa·s"
         for material, soil in zip(scene.materials, scene.soils, strict=True)
     ]
 
@@ -228,8 +229,8 @@ def _material(scene: Scene) -> list[str]:
 def coupling_words(scene: Scene) -> str:
     """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named with theirs."""
     own, *others = map(_kept, scene.materials)
-    named = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in zip(scene.layers, others, strict=True) if kept != own]
-    return fill(f"{'; '.join([own, *named])}, γ = {scene.coupling.gamma:g} s⁻¹", TITLE)
+    apart = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in zip(scene.layers, others, strict=True) if kept != own]
+    return fill(f"{'; '.join([own, *apart])}, {named('gamma').equation(scene.coupling.gamma)}", TITLE)
 
 
 def _cohesion(soil: Soil) -> str:
@@ -239,7 +240,7 @@ def _cohesion(soil: Soil) -> str:
 
 def _kept(material: LayerMaterial) -> str:
     """What failed soil keeps of its strength: S_R, and residual strengths that are written, which it does not touch."""
-    soil, words = material.soil, [f"$S_R$ = {material.S_R:g}"] * material.uses_S_R
+    soil, words = material.soil, [written(named("S_R").equation(material.S_R))] * material.uses_S_R
     words += [] if soil.residual_cohesion is None else [f"$c_r$ = {soil.residual_cohesion:g} kPa"]
     words += [] if soil.residual_friction_angle is None else [f"$φ_r$ = {soil.residual_friction_angle:g}°"]
     return ", ".join(words)

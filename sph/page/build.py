@@ -44,8 +44,6 @@ REST = 1000
 """Characters of it left for what joins the runs to the rest."""
 DATA = "@@data@@"
 """Place of the runs in the page."""
-OVER = {"S_R": "strength ratio S_R", "gamma": "rate of the loss of strength γ", "amplitude": "amplitude of shaking"}
-"""The dimensions with short names in a sentence."""
 MARKS: dict[str, str] = {
     HOLDS: "good", FAILS: "bad", MISSES: "bad", Status.DIVERGED: "bad", NOT_YET: "open", NOT_COVERED: "open",
 }  # fmt: skip
@@ -146,7 +144,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     scene = Run.read(runs[0]).scene
     varied = {scene_key(found.name): _values(whole_table[found.name], found.unit) for found in study.dimensions}
     keys = scene_table(scene, varied)
-    over = [OVER.get(found.name, found.symbol) for found in study.dimensions]
+    over = [found.phrase for found in study.dimensions]
 
     def found(pattern: str) -> list[str]:
         return [file for file, _ in of({pattern: None}, study.files, study.folder)]

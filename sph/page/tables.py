@@ -19,7 +19,7 @@ from sph.scene.soil import Soil
 from sph.scene.units import beside_g
 from sph.scene.walls import wall_words
 from sph.storage.trajectory import Variable
-from sph.study.dimensions import Dimension, readable, shown_unit
+from sph.study.dimensions import Dimension, named, readable, shown_unit
 
 MOST_ROWS = 500
 """Most rows that the page shows of a CSV file."""
@@ -229,7 +229,8 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
             )
         )
     units = [f"{readable(name)} ({shown_unit(unit)})" if shown_unit(unit) else readable(name) for name, unit in fields.items()]
-    return Table("Layers; where two overlap, the later one counts", ("layer", "where", *units, "V_s (m/s)", "S_R", "γ (s⁻¹)"), rows)
+    head = ("layer", "where", *units, "V_s (m/s)", named("S_R").label, named("gamma").label)
+    return Table("Layers; where two overlap, the later one counts", head, rows)
 
 
 def region_words(region: DepthRegion | ElevationRegion | PolygonRegion) -> str:

@@ -21,19 +21,36 @@ from sph.scene.schema import Scene
 from sph.scene.units import acceleration, beside_g
 from sph.storage.trajectory import Variable
 
-SHORT_NAMES = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}
-"""The scene keys that have short names as dimensions, by these."""
+
+class ShortName(NamedTuple):
+    """A scene key with a short name as dimension, as it is written."""
+
+    key: str
+    symbol: str  # in figures, on the page and in messages
+    phrase: str  # in a sentence
+    axis: Variable  # in a study's tables
+
+
+def _short(name: str, key: str, symbol: str, phrase: str, unit: str, text: str) -> ShortName:
+    return ShortName(key, symbol, phrase, Variable(name, (name,), "f8", unit, text))
+
+
+SHORT_NAMES = {
+    each.axis.name: each
+    for each in (
+        _short("S_R", "coupling.S_R", "S_R", "strength ratio S_R", "1", "strength ratio of the fluid state, Eqs. 14-15"),
+        _short("gamma", "coupling.gamma", "γ", "rate of the loss of strength γ", "s-1", "rate of the loss of strength, Eq. 9"),
+        _short("amplitude", "motion.amplitude", "amplitude", "amplitude of shaking", "m s-2", "amplitude of the ground acceleration"),
+    )
+}
+"""The dimensions with short names, by these."""
+AXES = tuple(each.axis for each in SHORT_NAMES.values())
+"""The same in a study's tables."""
 CASE = "case"
 """Dimension of a study that is a list of runs, and the column of their names."""
 NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
 NAME = "<name>"
 """Stands for a name of the user's choice in a key."""
-AXES: tuple[Variable, ...] = (
-    Variable("S_R", ("S_R",), "f8", "1", "strength ratio of the fluid state, Eqs. 14-15"),
-    Variable("gamma", ("gamma",), "f8", "s-1", "rate of the loss of strength, Eq. 9"),
-    Variable("amplitude", ("amplitude",), "f8", "m s-2", "amplitude of the ground acceleration"),
-)
-"""The dimensions with short names in a study's tables."""
 
 
 def as_written(value: Any) -> Any:
@@ -76,6 +93,11 @@ class Dimension(NamedTuple):
         return readable(self.name)
 
     @property
+    def phrase(self) -> str:
+        """The same in a sentence."""
+        return SHORT_NAMES[self.name].phrase if self.name in SHORT_NAMES else self.symbol
+
+    @property
     def label(self) -> str:
         """Symbol and unit."""
         return f"{self.symbol} ({self.shown_unit})" if self.shown_unit else self.symbol
@@ -90,11 +112,16 @@ class Dimension(NamedTuple):
         number, *of_gravity = beside_g(value, self.unit).split(" ", 1)
         return " ".join(word for word in (self.symbol, number, self.shown_unit, *of_gravity) if word)
 
+    def equation(self, value: float | str) -> str:
+        """The same as an equation, a number in its shortest form: ``S_R = 0.1``."""
+        number = value if isinstance(value, str) else f"{value:g}"
+        return f"{self.symbol} = {number} {self.shown_unit}".rstrip()
+
     def variable(self, listed: bool) -> Variable:
         """The coordinate of a study's table: a dimension of its own, or one along the cases of a list."""
-        known = next((axis for axis in AXES if axis.name == self.name), None)
         kind, unit = ("str" if self.words else "f8"), "1" if self.unit == "-" else self.unit
-        found = known or Variable(self.name, (self.name,), "f8", unit, f"{scene_key(self.name)}: {self.text}")
+        known = SHORT_NAMES.get(self.name)
+        found = known.axis if known else Variable(self.name, (self.name,), "f8", unit, f"{scene_key(self.name)}: {self.text}")
         return found._replace(dims=(CASE,) if listed else found.dims, dtype=kind)
 
 
@@ -108,8 +135,7 @@ def shown_unit(unit: str) -> str:
 
 
 WORDS = {
-    "S_R": "S_R",
-    "gamma": "γ",
+    **{name: each.symbol for name, each in SHORT_NAMES.items()},
     "youngs_modulus": "Young's modulus",
     "poisson_ratio": "Poisson's ratio",
     "stochastic": "synthetic motion",
@@ -135,7 +161,7 @@ def readable(name: str) -> str:
 
 def scene_key(name: str) -> str:
     """The dotted scene key of a dimension."""
-    return SHORT_NAMES.get(name, name)
+    return SHORT_NAMES[name].key if name in SHORT_NAMES else name
 
 
 def title_of(dimensions: Iterable[Dimension], point: Mapping[str, str]) -> str:
@@ -222,6 +248,11 @@ def _parts(annotation: Any) -> list[Any]:
     if typing.get_origin(annotation) in (typing.Union, types.UnionType, typing.Annotated):
         return [part for inner in typing.get_args(annotation) for part in _parts(inner)]
     return [annotation]
+
+
+def named(name: str) -> Dimension:
+    """A dimension with a short name, of numbers, as its key is declared."""
+    return Dimension(name, scene_keys()[scene_key(name)], SHORT_NAMES[name].axis.text, words=False)
 
 
 def dimension(name: str, labels: Iterable[str], scene: Scene) -> Dimension:

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from test_workflow import planned_jobs, snakemake, sph
+from test_workflow import planned_jobs, said, snakemake, sph
 
 from sph.measures.metrics import measure
 from sph.scene.schema import Scene
@@ -130,7 +130,7 @@ def test_a_run_is_repeated_and_told_of_like_any_other(finished: Path, tmp_path: 
     assert f"every variable is identical to that of {path}" in sph("run", path, "--out", tmp_path / "again.nc")
     for study in (GRID, CASES, SAMPLE):
         folder = of(finished, str(study["study"]))
-        shown = json.loads(sph("status", folder, "--configfile", configured(finished, study)[1], "--json"))
+        shown = json.loads(said("status", folder, "--configfile", configured(finished, study)[1], "--json"))
         files = {path.stem for kind in ("runs", "stages") for path in (folder / kind).glob("*.nc")}
         assert {job["job"] for job in shown["jobs"]} == files and all(job["state"] == "done" for job in shown["jobs"])
 

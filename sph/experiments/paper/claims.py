@@ -19,6 +19,7 @@ from sph.measures.metrics import COLLAPSE, DAMAGED, MINOR, UNDETERMINED
 from sph.scene.configuration import Section, key
 from sph.scene.units import Acceleration
 from sph.storage.trajectory import Status
+from sph.study.dimensions import named
 from sph.study.verdicts import FAILS, HOLDS, NOT_COVERED, NOT_YET
 
 COLUMNS = ("claim", "statement", "test", "measured", "verdict")
@@ -59,6 +60,14 @@ class Claim(NamedTuple):
     decide: Callable[[xr.Dataset, ClaimSettings], Verdict]
 
 
+def _ratio(S_R: float) -> str:
+    return f"{named('S_R').symbol} {S_R:.2f}"
+
+
+def _rate(gamma: float) -> str:
+    return f"{named('gamma').symbol} {gamma:g}"
+
+
 class NotCovered(Exception):
     """The study has no usable run where a claim needs one."""
 
@@ -67,7 +76,7 @@ class Case:
     """One run of the study at the reference amplitude; numbers by the names of ``METRICS``."""
 
     def __init__(self, study: xr.Dataset, settings: ClaimSettings, S_R: float, gamma: float) -> None:
-        self.label = f"S_R {S_R:.2f}, γ {gamma:g}"
+        self.label = f"{_ratio(S_R)}, {_rate(gamma)}"
         self.S_R = S_R
         try:
             point = study.sel(S_R=S_R, gamma=gamma, amplitude=settings.amplitude, method="nearest", tolerance=1e-9)
@@ -233,7 +242,7 @@ def _beside(study: xr.Dataset, settings: ClaimSettings, gammas: Sequence[float],
 def _trigger(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     brackets = [text for S_R in study["S_R"].values if (text := _bracket(study, float(S_R)))]
     if not brackets:
-        raise NotCovered(f"the study has no S_R with two amplitudes at γ {FAST:g}")
+        raise NotCovered(f"the study has no S_R with two amplitudes at {_rate(FAST)}")
     return Verdict("from the grid only: " + "; ".join(brackets), NOT_YET)
 
 
@@ -250,13 +259,13 @@ def _bracket(study: xr.Dataset, S_R: float) -> str:
     standing = [amplitude for amplitude, name in found.items() if name != COLLAPSE]
     below = f"no collapse up to {max(standing):g} m/s²" if standing else f"collapse already at {min(found):g} m/s²"
     above = f", collapse from {min(collapsed):g} m/s²" if collapsed and standing else ""
-    return f"S_R {S_R:.2f}: {below}{above}"
+    return f"{_ratio(S_R)}: {below}{above}"
 
 
 def _runout_arrests(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     cases = [case for case in _paper_cases(study, settings) if case.collapse_class == COLLAPSE]
     if not cases:
-        raise NotCovered(f"no run with γ {FAST:g} collapses at {settings.amplitude:g} m/s²")
+        raise NotCovered(f"no run with {_rate(FAST)} collapses at {settings.amplitude:g} m/s²")
 
     def text(case: Case) -> str:
         state = "still moving" if case["still_moving"] else f"at rest, A since {_time(case['arrest_time'])}"
@@ -383,15 +392,15 @@ def _clear(row: Mapping[Hashable, Any]) -> bool:
 
 def _critical_text(S_R: float, row: Mapping[Hashable, Any] | None) -> str:
     if row is None:
-        return f"S_R {S_R:.2f}: not searched"
+        return f"{_ratio(S_R)}: not searched"
     if math.isnan(row["critical_intensity"]):
         end = row["lower"] if math.isnan(row["upper"]) else row["upper"]
-        return f"S_R {S_R:.2f}: {row['outcome']} amplitude, {end:g} m/s²"
+        return f"{_ratio(S_R)}: {row['outcome']} amplitude, {end:g} m/s²"
     more = [
         f"{row[name]:g} {text}"
         for name, text in (("diverged_inside", "diverged inside"), ("changes", "changes of class"))
         if row[name] > (name == "changes")
     ]
     still = ["lower end still moving"] if row["lower_still_moving"] else []
-    text = f"S_R {S_R:.2f}: {row['critical_intensity']:.4g} ± {row['resolution_error']:.3g} m/s²"
+    text = f"{_ratio(S_R)}: {row['critical_intensity']:.4g} ± {row['resolution_error']:.3g} m/s²"
     return text + (f" ({', '.join(more + still)})" if more + still else "")

@@ -9,7 +9,7 @@ from typing import Any
 from sph.experiments.base import Experiment
 from sph.experiments.paper.claims import ClaimSettings
 from sph.scene.configuration import key, validated
-from sph.study.dimensions import SHORT_NAMES, value_of
+from sph.study.dimensions import SHORT_NAMES, named, value_of
 from sph.study.schema import Axis, FigureCases, Number, Point, Study
 
 DIMENSIONS = tuple(SHORT_NAMES)
@@ -114,7 +114,8 @@ class PaperStudy(AnyStudy):
         for wanted_S_R, wanted_gamma in pairs:
             S_R, gamma = self._label("S_R", wanted_S_R), self._label("gamma", wanted_gamma)
             amplitude = self._label("amplitude", str(self.claims.amplitude))
-            first, second, third = f"$S_R$ = {S_R}", f"γ = {gamma} s⁻¹", f"amplitude {amplitude} m/s²"
+            first = named("S_R").equation(S_R).replace("S_R", "$S_R$")  # a formula
+            second, third = named("gamma").equation(gamma), f"amplitude {amplitude} m/s²"
             titles = {6: (f"{second}, {third}", first), 7: (f"{first}, {third}", second)}.get(number, (f"{first}, {second}, {third}",))
             yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": amplitude}
 

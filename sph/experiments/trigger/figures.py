@@ -59,12 +59,12 @@ MAPPED = {
 
 def _words(found: Dimension, value: str) -> str:
     """A dimension and one of its values."""
-    return written(f"{found.symbol} = {value} {found.shown_unit}".rstrip())
+    return written(found.equation(value))
 
 
 def _axis(found: Dimension) -> str:
     """Name of an axis."""
-    return written(found.label.replace("S_R", "strength ratio S_R") if found.name == "S_R" else found.label)
+    return written(found.phrase if found.name == "S_R" else found.label)
 
 
 def _at(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> pd.Series:
