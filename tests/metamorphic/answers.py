@@ -17,6 +17,7 @@ import sys
 import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -82,7 +83,13 @@ def same_metrics(one: xr.Dataset, other: xr.Dataset, but: frozenset[str] | set[s
 
 def same_but(one: Result, other: Result, *names: str) -> None:
     """Assert that two runs have the same bits but for some variables of the trajectory."""
-    same_bits(one._replace(trajectory=one.trajectory.drop_vars(names)), other._replace(trajectory=other.trajectory.drop_vars(names)))
+    left, right = (with_trajectory(each, each.trajectory.drop_vars(names)) for each in (one, other))
+    same_bits(left, right)
+
+
+def with_trajectory(result: Result, trajectory: xr.Dataset) -> Any:
+    """A result with a part of its trajectory."""
+    return SimpleNamespace(trajectory=trajectory, restart=result.restart, status=result.status)
 
 
 def same_values(one: xr.Dataset, other: xr.Dataset) -> None:

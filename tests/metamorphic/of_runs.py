@@ -15,6 +15,7 @@ from answers import (
     same_state,
     same_to_rounding,
     same_until,
+    with_trajectory,
 )
 from comparison import same_bits, same_variables
 from relation import default_walls, relation, shaken
@@ -130,8 +131,7 @@ def more_probes(case: Case, chance: np.random.Generator) -> None:
     """Probes added before and after the others: the same bits of all else, and of the probes that were there."""
     other = {**case.data, "probes": {"Z": "toe", **case.data["probes"], "B": case.data["probes"]["A"]}}
     result = case.run(other)
-    kept = result._replace(trajectory=result.trajectory.isel(probe=[1]))
-    same_bits(case.result, kept)
+    same_bits(case.result, with_trajectory(result, result.trajectory.isel(probe=[1])))
     again = result.trajectory.isel(probe=[2])
     same_variables(case.result.trajectory.drop_vars("probe"), again.drop_vars("probe"))
     same_metrics(case.result.trajectory, result.trajectory)
