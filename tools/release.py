@@ -35,7 +35,7 @@ SOLID_STATES_STUDY = Path("results/paper_solid_states")
 """Folder of the study of the paper's slope with either solid state of failed soil."""
 READ_AT = (10.0, 15.0, 20.0)
 """Times (s) at which A's displacement is read there: the end of the shaking, the time of Figs. 4 and 5, and later."""
-LEAST_DISPLACEMENT = 0.1
+MIN_DISPLACEMENT = 0.1
 """Displacement of A (m) at the baseline below which a relative difference says nothing."""
 
 ORIGIN = text_column("origin", "version that was measured")
@@ -55,7 +55,7 @@ FIDELITIES: tuple[Variable, ...] = (
         "displacement_difference",
         "1",
         f"largest difference of A's displacement over that at {BASELINE}, of runs of the same class in which A moves by more than "
-        f"{LEAST_DISPLACEMENT:g} m",
+        f"{MIN_DISPLACEMENT:g} m",
     ),
     ORIGIN,
 )
@@ -160,7 +160,7 @@ def agreement(study: pd.DataFrame, baseline: pd.DataFrame) -> dict[str, float]:
         raise ValueError(f"the study has {len(both)} of the {len(baseline)} runs that it is compared with")
     same = both["collapse_class"] == both["collapse_class_baseline"]
     displacement, reference = both["displacement_magnitude"], both["displacement_magnitude_baseline"]
-    differences = (displacement / reference - 1.0).abs()[same & (reference > LEAST_DISPLACEMENT)]
+    differences = (displacement / reference - 1.0).abs()[same & (reference > MIN_DISPLACEMENT)]
     return {"runs": len(both), "same_class": int(same.sum()), "displacement_difference": float(differences.max())}
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from sph.checks.finding import Finding, finding
-from sph.checks.layers import FEWEST_IN_LAYER, layers_of
+from sph.checks.layers import MIN_IN_LAYER, layers_of
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
@@ -15,9 +15,9 @@ from sph.solver.particles import place_particles
 from sph.stability.slip_search import LimitEquilibrium, Surface, applies, limit_equilibrium
 from sph.stability.standing import slope_height, weakened
 
-LARGEST_DIFFERENCE = 0.05
+MAX_DIFFERENCE = 0.05
 """Of a factor of safety by SPH from Spencer's, over that, which is told."""
-LEAST_GROUND = 0.5
+MIN_GROUND = 0.5
 """Of ground behind the crest over the slope's height; with less, there may be no surface as large as a failure."""
 
 
@@ -43,9 +43,9 @@ def without_surface(scene: Scene, found: LimitEquilibrium | None) -> list[Findin
     """The finding of a slope in which no surface slides: too strong, or with too little ground for one to end on."""
     if found is not None or not applies(scene):
         return []
-    if scene.geometry.width - scene.geometry.crest[0] >= LEAST_GROUND * slope_height(scene):
+    if scene.geometry.width - scene.geometry.crest[0] >= MIN_GROUND * slope_height(scene):
         return [finding("stability-unknown", subject="limit-equilibrium")]
-    return [finding("stability-unknown", _crest_key(scene), subject="limit-equilibrium", heights=LEAST_GROUND)]
+    return [finding("stability-unknown", _crest_key(scene), subject="limit-equilibrium", heights=MIN_GROUND)]
 
 
 def _crest_key(scene: Scene) -> str:
@@ -60,7 +60,7 @@ def of_equilibrium(scene: Scene, limits: Iterable[Finding] = ()) -> list[Finding
     told = [finding("limit-equilibrium", **equilibrium_numbers(found)), *slip_at_base(scene, found)]
     for value, error in ((of.numbers["value"], of.numbers["error"]) for of in limits if of.code == "factor-of-safety"):
         spencer = found.spencer.value
-        if abs(value / spencer - 1.0) > max(LARGEST_DIFFERENCE, error / spencer):
+        if abs(value / spencer - 1.0) > max(MAX_DIFFERENCE, error / spencer):
             reasons = _reasons(scene, found, value / spencer - 1.0)
             told.append(finding("limit-equilibrium-differs", value=value, error=error, bound=spencer, **reasons))
     return told
@@ -93,7 +93,7 @@ def of_residual(scene: Scene) -> list[Finding]:
 def _reasons(scene: Scene, found: LimitEquilibrium, difference: float) -> dict[str, Any]:
     """Names of why the two can differ as they do in this scene (``sph.checks.messages.REASONS``), and the layers that are thin."""
     loose = any(soil.friction_angle > soil.dilation_angle for soil in scene.soils)
-    thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < FEWEST_IN_LAYER]
+    thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < MIN_IN_LAYER]
     bent = found.spencer.where == "line" and found.spencer.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
     reasons = {
         "dilation": difference < 0 and loose,

@@ -17,9 +17,9 @@ from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.interface import soil_numbers
 from sph.solver.physics.seams import seam_sides
 
-FEWEST_IN_LAYER = 4
+MIN_IN_LAYER = 4
 """Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
-LARGEST_GAP = 0.25
+MAX_GAP = 0.25
 """Share of a layer's columns at its ends, where it thins out to nothing, that may be without a particle."""
 
 
@@ -60,9 +60,9 @@ def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
         rows = min(layer.thickness for layer in layers_of(scene, particles))
         found.append(finding("weak-on-strong", "numerics.interfaces", rows=rows, both=True))
     for layer in layers_of(scene, particles):
-        if layer.thickness < FEWEST_IN_LAYER and layer.name not in left_out:
+        if layer.thickness < MIN_IN_LAYER and layer.name not in left_out:
             keys = ("numerics.spacing", *([f"layers.{layer.name}.region"] if layer.name in scene.layers else []))
-            found.append(finding("thin-layer", *keys, subject=layer.name, value=layer.thickness, bound=FEWEST_IN_LAYER))
+            found.append(finding("thin-layer", *keys, subject=layer.name, value=layer.thickness, bound=MIN_IN_LAYER))
     return cut + [of_cover(cover, scene) for cover in weak] + found
 
 
@@ -140,7 +140,7 @@ def _is_continuous(section: Section, spacing: float) -> bool:
     if not section.particles.any() or 2 * np.count_nonzero(thick) < np.count_nonzero(there):
         return False
     parts = np.split(np.arange(there.size), np.flatnonzero(np.diff(there)) + 1)  # of the section, and of what lies between
-    return not any(_is_cut(thick[part], gap[part]) for part in parts) and bool(gap.sum() <= LARGEST_GAP * there.sum())
+    return not any(_is_cut(thick[part], gap[part]) for part in parts) and bool(gap.sum() <= MAX_GAP * there.sum())
 
 
 def _is_cut(thick: np.ndarray, gap: np.ndarray) -> bool:

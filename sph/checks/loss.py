@@ -9,9 +9,9 @@ from sph.scene.layers import LayerMaterial
 from sph.scene.schema import Scene
 from sph.stability.standing import slope_height
 
-FEWEST_IN_LENGTH = 3
+MIN_IN_LENGTH = 3
 """Spacings in the length over which plastic strain is averaged before soil fails."""
-SHORTEST_ZONE = 3.0
+MIN_ZONE = 3.0
 """Zone over which slip develops, over the height, from which on the critical amplitude no longer changes with the spacing: measured, with
 a zone of 0.8 heights it falls by 30 %, with 4 and more by 3 % at most from 20 rows over the height on (docs/model/softening.md)."""
 
@@ -38,10 +38,10 @@ def of_loss(scene: Scene) -> list[Finding]:
         return [told] if scene.scheme != "paper" and rate > 0 else []
     found = [finding("lost-by-time", key, value=rate, bound=0.0)] if rate > 0 else []
     length, name = min((slip_zone(scene, material), material.name) for material in scene.materials)
-    bound = SHORTEST_ZONE * slope_height(scene)
+    bound = MIN_ZONE * slope_height(scene)
     if length < bound:
         key = "coupling.softening.slip_at_residual"
-        found.append(finding("progressive-failure", key, subject=name, value=length, bound=bound, heights=SHORTEST_ZONE))
+        found.append(finding("progressive-failure", key, subject=name, value=length, bound=bound, heights=MIN_ZONE))
     return found
 
 
@@ -50,7 +50,7 @@ def of_softening(scene: Scene) -> list[Finding]:
     softening, dx = scene.coupling.softening, scene.numerics.spacing
     if softening is None:
         return [finding("no-process-zone", "coupling.softening", paper=scene.scheme == "paper")]
-    if softening.width >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
+    if softening.width >= MIN_IN_LENGTH * dx * (1 - 1e-9):
         return []
     keys, width = ("numerics.spacing", "coupling.softening.width"), softening.width
-    return [finding("short-process-zone", *keys, value=width / dx, bound=FEWEST_IN_LENGTH, width=width)]
+    return [finding("short-process-zone", *keys, value=width / dx, bound=MIN_IN_LENGTH, width=width)]

@@ -17,7 +17,7 @@ from sph.scene.gravity import FAILED_AREA, GRAVITY
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
 from sph.stability.extrapolation import how_found
-from sph.stability.slip_search import LARGEST_FACTOR
+from sph.stability.slip_search import MAX_FACTOR
 
 OR = " or "
 """Between the keys of a finding."""
@@ -70,7 +70,7 @@ UNKNOWN = {
     "yield-acceleration": ("yield acceleration, pseudo-static", "not found: {reason}"),
     "limit-equilibrium": (
         "limit equilibrium",
-        f"no slip surface found with a factor of safety up to {LARGEST_FACTOR:g} that ends on the ground of the model",
+        f"no slip surface found with a factor of safety up to {MAX_FACTOR:g} that ends on the ground of the model",
     ),
     "stability of further slopes": ("the stability of further slopes of the study", "not tested, to save time"),
     "limits of further slopes": (

@@ -24,15 +24,15 @@ WEAKEST, STRONGEST = 0.01, 2.0
 """Peak accelerations of the ground that are plausible, g: below a hundredth of g no slope that stands is moved, and of all records a
 handful exceed 2 g (2.7 g horizontally at MYG004, Tohoku 2011; 3.9 g vertically at IWTH25, Iwate-Miyagi 2008).  Beyond them units are
 mistaken more often than not."""
-LARGEST_DRIFT = 0.1
+MAX_DRIFT = 0.1
 """Velocity of the ground at the end of a record over its largest."""
-LARGEST_OFFSET = 0.01
+MAX_OFFSET = 0.01
 """Mean acceleration of a record that drifts over its peak: beyond it the drift is an offset of the recorder."""
-LARGEST_DISPLACEMENT = 2.0
+MAX_DISPLACEMENT = 2.0
 """Peak displacement of the ground that is plausible, m: more than that is found beside faults that broke the surface."""
-LONGEST_INTERVAL = 0.1
+MAX_INTERVAL = 0.1
 """Interval of the samples of a record that is plausible, s: recorders have taken 50 and more in a second since the first digital ones."""
-LASTING, SHORTEST_LASTING = 0.5, 0.1
+LASTING, MIN_LASTING = 0.5, 0.1
 """Displacement of the ground at the end of a record over its largest, and in m, from which on it is told."""
 POLARITY_RATIO, POLARITY = 0.5, 1.2
 """Yield over peak acceleration of a sliding block, and its displacement under the record turned round over that under the record as it
@@ -40,7 +40,7 @@ is, from which on the direction of a record matters."""
 
 LOWEST, HIGHEST = 0.25, 20.0
 """Frequencies between which a motion has its mean period, Hz."""
-MOST_RIGID = 0.1
+MAX_RIGID = 0.1
 """Natural period of the slope over the mean period of the motion up to which a sliding block may be rigid; from there to 1 it slips too
 little, beyond that more or less than the slope moves (Jibson 2011)."""
 OTHER_DAMPING = 2.0
@@ -117,9 +117,9 @@ def not_rigid(scene: Scene) -> list[Finding]:
     if not isinstance(scene.geometry, SLOPES) or isinstance(scene.motion, (NoMotion, ConstantAcceleration)):
         return []
     mean, period = mean_period(motion_of(scene)), 1.0 / natural_frequency(scene, scene.geometry.crest)
-    if not mean or period <= MOST_RIGID * mean:
+    if not mean or period <= MAX_RIGID * mean:
         return []
-    return [finding("block-not-rigid", value=period / mean, bound=MOST_RIGID, period=period)]
+    return [finding("block-not-rigid", value=period / mean, bound=MAX_RIGID, period=period)]
 
 
 def peak_accelerations(scene: Scene) -> str:
@@ -157,7 +157,7 @@ def sampled(scene: Scene) -> list[Finding]:
 
 def sparse(interval: float, *keys: str) -> list[Finding]:
     """A warning if the samples of a record are further apart (s) than those of recorders."""
-    return [finding("record-sparse", *keys, value=interval, bound=LONGEST_INTERVAL)] if interval > LONGEST_INTERVAL else []
+    return [finding("record-sparse", *keys, value=interval, bound=MAX_INTERVAL)] if interval > MAX_INTERVAL else []
 
 
 def drifting(motion: GroundMotion, *keys: str) -> list[Finding]:
@@ -170,15 +170,15 @@ def drifting(motion: GroundMotion, *keys: str) -> list[Finding]:
     displacement = scipy.integrate.cumulative_trapezoid(velocity, time, initial=0.0)
     largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
     furthest, lasting = float(np.abs(displacement).max()), abs(float(displacement[-1]))
-    found, bound = [], LARGEST_DRIFT * largest
+    found, bound = [], MAX_DRIFT * largest
     if last > bound:
         mean = last / float(time[-1] - time[0])
         found.append(
-            finding("record-offset" if mean > LARGEST_OFFSET * motion.peak else "record-drift", *keys, value=last, bound=bound, mean=mean)
+            finding("record-offset" if mean > MAX_OFFSET * motion.peak else "record-drift", *keys, value=last, bound=bound, mean=mean)
         )
-    if furthest > LARGEST_DISPLACEMENT:
-        found.append(finding("record-displacement", *keys, value=furthest, bound=LARGEST_DISPLACEMENT))
-    elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
+    if furthest > MAX_DISPLACEMENT:
+        found.append(finding("record-displacement", *keys, value=furthest, bound=MAX_DISPLACEMENT))
+    elif lasting > max(LASTING * furthest, MIN_LASTING):
         found.append(finding("record-lasting", *keys, value=lasting, peak=furthest))
     return found
 

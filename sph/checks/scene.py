@@ -28,20 +28,20 @@ from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_par
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.standing import dividing
 
-FEWEST_IN_HEIGHT = 12
+MIN_IN_HEIGHT = 12
 """Fewest particles across a slope's height: with 10 and 15 the cost-accuracy studies have right classes, run-outs up to 40 and 36 % off."""
-LARGEST_HEIGHT_ERROR = 0.01
+MAX_HEIGHT_ERROR = 0.01
 """Of a slope between level ground that is made of whole rows: 4 % too low it may go a third less far, 2 % too high a twentieth further."""
 LEVEL = 0.25
 """Spacings that level ground may rise or fall within a slope's height of the slope."""
-FEWEST_IN_WAVE = 8
+MIN_IN_WAVE = 8
 """Smoothing lengths (or spacings, where they are longer) in the shortest wavelength: one eighth is the largest element that Kuhlemeyer
 and Lysmer (1973) allow; at it the lattice carries waves some 9 % too slowly at any h, at a tenth 6 %."""
 ENERGY = 0.95
 """Part of the motion's energy (Arias intensity) below its highest significant frequency."""
 SAMPLES_IN_PERIOD = 8
 """Samples in the shortest period of a motion from which its spectrum is made."""
-FEWEST_IN_SERIES = 10
+MIN_IN_SERIES = 10
 """Samples of the series in a period of the highest significant frequency, of which straight lines miss the peak by at most 5 %."""
 ROOM_BEHIND, ROOM_AHEAD = 1.0, 2.0
 """Least soil behind the crest and before the toe, over the slope's height; weak debris runs further (``reach``)."""
@@ -237,12 +237,12 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
 def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
     frequency = highest_frequency(scene)
     lengths = in_wave(scene, soil, frequency)
-    if lengths >= FEWEST_IN_WAVE:
+    if lengths >= MIN_IN_WAVE:
         return []
     length = soil.s_wave_speed / frequency
     numbers = {"frequency": frequency, "wavelength": length, "slower": 1.0 - wave_speed_ratio(scene, length)}
     keys = ("numerics.spacing", "numerics.smoothing_ratio")
-    return [finding("short-waves", *keys, subject=name, value=lengths, bound=FEWEST_IN_WAVE, **numbers)]
+    return [finding("short-waves", *keys, subject=name, value=lengths, bound=MIN_IN_WAVE, **numbers)]
 
 
 def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
@@ -250,8 +250,8 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
     height, (toe_x, _), (crest_x, _) = geometry.slope_height, geometry.toe, geometry.crest
     survey = ("geometry.window", "geometry.points") if isinstance(geometry, GroundLine) else ()
     across = height / scene.numerics.spacing
-    if across < FEWEST_IN_HEIGHT * (1 - 1e-9):
-        found.append(finding("few-particles", "numerics.spacing", value=across, bound=FEWEST_IN_HEIGHT, height=height))
+    if across < MIN_IN_HEIGHT * (1 - 1e-9):
+        found.append(finding("few-particles", "numerics.spacing", value=across, bound=MIN_IN_HEIGHT, height=height))
     behind = geometry.width - crest_x
     if behind < ROOM_BEHIND * height:
         found.append(finding("back-wall", *survey or ["geometry.crest_length"], value=behind, bound=ROOM_BEHIND * height))
@@ -336,7 +336,7 @@ def of_rows(scene: Scene, particles: Particles) -> list[Finding]:
     geometry, dx = scene.geometry, scene.numerics.spacing
     assert isinstance(geometry, (Slope, GroundLine))
     height, error = geometry.slope_height, height_error(scene, particles)
-    if abs(error) <= LARGEST_HEIGHT_ERROR:
+    if abs(error) <= MAX_HEIGHT_ERROR:
         return []
     return [finding("rows-misfit", "numerics.spacing", value=(1.0 + error) * height, bound=height, spacing=dividing(dx, height))]
 
@@ -390,9 +390,9 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
 
 def _series(scene: Scene) -> list[Finding]:
     samples = 1.0 / (frequency * scene.outputs.series_interval) if (frequency := highest_frequency(scene)) else np.inf
-    if samples >= FEWEST_IN_SERIES:
+    if samples >= MIN_IN_SERIES:
         return []
-    return [finding("sparse-series", "outputs.series_interval", value=samples, bound=FEWEST_IN_SERIES, frequency=frequency)]
+    return [finding("sparse-series", "outputs.series_interval", value=samples, bound=MIN_IN_SERIES, frequency=frequency)]
 
 
 def _step(scene: Scene) -> list[Finding]:

@@ -26,10 +26,10 @@ WAVE_SPEEDS = 30.0, 3500.0
 """Usual speeds of shear waves, m/s: from mud to sound rock."""
 COHESIONS = 0.1, 1000.0
 """Cohesions, kPa, below which it is none or a number in MPa, and above which it is that of sound rock or a number in Pa."""
-LARGEST_TANGENT = math.tan(math.radians(STEEPEST))
+MAX_TANGENT = math.tan(math.radians(STEEPEST))
 """Tangent of the largest friction angle of a scene, which is larger than the angle in radians: what is above 0 and below it may be either
 of them and no angle in degrees, and a coefficient of friction above it an angle."""
-SMALLEST_ANGLE, SMALLEST_COHESION = 5.0, 5.0
+MIN_ANGLE, MIN_COHESION = 5.0, 5.0
 """Friction angle (degree) and cohesion (kPa) below both of which hardly any slope stands."""
 USED_UP = 0.95
 """Share of its peak strength from which on hardly any is left to the shaking."""
@@ -115,8 +115,8 @@ def of_soils(scene: Scene) -> list[Finding]:
     ]
     for side in ("base", "sides"):
         friction = getattr(scene.walls.friction, side, 0.0)
-        if friction > LARGEST_TANGENT:
-            others.append(finding("angle-implausible", f"walls.friction.{side}", subject=side, value=friction, bound=LARGEST_TANGENT))
+        if friction > MAX_TANGENT:
+            others.append(finding("angle-implausible", f"walls.friction.{side}", subject=side, value=friction, bound=MAX_TANGENT))
     if isinstance(scene.geometry, Slope) and scene.geometry.slope_angle < math.pi / 2:
         others.append(_of_angle("the slope", "geometry.slope_angle", scene.geometry.slope_angle, math.pi / 2))
     return [*own, *(each for each in layers if (each.code, each.off_by) not in taken_over), *others]
@@ -132,8 +132,8 @@ def _of_strength(name: str, path: str, values: Mapping[str, float]) -> list[Find
     found = []
     for each, value in values.items():
         key = f"{path}.{each}"
-        if each.endswith("_angle") and 0.0 < value <= LARGEST_TANGENT:
-            found.append(_of_angle(name, key, value, LARGEST_TANGENT))
+        if each.endswith("_angle") and 0.0 < value <= MAX_TANGENT:
+            found.append(_of_angle(name, key, value, MAX_TANGENT))
         elif each.endswith("cohesion") and value and not COHESIONS[0] <= value <= COHESIONS[1]:
             bound = COHESIONS[0 if value < COHESIONS[0] else 1]
             found.append(finding("cohesion-implausible", key, subject=name, value=1e3 * value, bound=1e3 * bound))
@@ -158,9 +158,9 @@ def _of_soil(name: str, path: str, soil: Soil) -> list[Finding]:
     if soil.gradient and soil.cohesion < COHESIONS[0]:
         strengths.pop("cohesion")  # at the top, below which it grows
     found += _of_strength(name, path, strengths)
-    if soil.friction_angle < SMALLEST_ANGLE and soil.cohesion < SMALLEST_COHESION and not soil.gradient:
+    if soil.friction_angle < MIN_ANGLE and soil.cohesion < MIN_COHESION and not soil.gradient:
         strength = {"cohesion": soil.cohesion_si, "friction_angle": soil.friction_angle_si}
-        least = {"least_cohesion": 1e3 * SMALLEST_COHESION, "least_angle": math.radians(SMALLEST_ANGLE)}
-        nearer = max(soil.cohesion / SMALLEST_COHESION, soil.friction_angle / SMALLEST_ANGLE)
+        least = {"least_cohesion": 1e3 * MIN_COHESION, "least_angle": math.radians(MIN_ANGLE)}
+        nearer = max(soil.cohesion / MIN_COHESION, soil.friction_angle / MIN_ANGLE)
         found.append(finding("strength-implausible", f"{path}.cohesion", subject=name, value=nearer, bound=1.0, **strength, **least))
     return found

@@ -39,7 +39,7 @@ EFFECTIVE = 0.65
 """Effective over largest shear strain (Schnabel, Lysmer and Seed 1972)."""
 RATIOS, SPANS = (1e-3, 0.5), (1.5, 50.0)
 """Bounds of the damping ratio, and of its upper frequency over the lower one."""
-LONGEST_NAME = 28
+MAX_NAME = 28
 """Letters of a layer's name that those of its bands keep."""
 
 
@@ -198,7 +198,7 @@ def _check_split(scene: Scene, number: int, bands: Sequence[Band]) -> None:
 def _extra(scene: Scene, ground: float, holder: Mapping[str, Any], number: int, bands: Sequence[Band], taken: set[str]) -> dict[str, Any]:
     """Layers over a soil or layer, of all its bands but the first, which it keeps itself, with what else it writes."""
     name = list(scene.layers)[number - 1] if number else "soil"
-    free = (made for n in count(2) if (made := f"{name[:LONGEST_NAME]}_{n}") not in taken)
+    free = (made for n in count(2) if (made := f"{name[:MAX_NAME]}_{n}") not in taken)
     extra = dict[str, Any]()
     for band, below in zip(bands[1:], [*bands[2:], None], strict=False):  # of one band the latter is longer
         soil = _of_modulus(_grown(scene, number, band.top, holder.get("soil") or {} if number else {}), band.modulus)

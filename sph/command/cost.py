@@ -24,7 +24,7 @@ from sph.solver.run import Progress, Run
 from sph.study.cost import COMPILE, START, Cost, cost, search_cost
 from sph.study.machine import duration
 from sph.study.plan import Plan
-from sph.study.preflight import MOST_SCENES, preflight_searches, preflight_seconds
+from sph.study.preflight import MAX_SCENES, preflight_searches, preflight_seconds
 from sph.study.runs import Kind
 
 CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
@@ -119,7 +119,7 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
 
 def _looked_at(plan: Plan) -> dict[str, Scene]:
     """The scenes that the preflight looks at, by run."""
-    return {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MOST_SCENES)}
+    return {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
 
 
 def _part(state: State) -> Cost:

@@ -33,7 +33,7 @@ ROWS = 20
 """Particles over the height of the slope at least."""
 COARSER, FINER = 0.75, 1.5
 """Times as many for a first look, and to see what finer ones change."""
-LONGEST_RUN = 3600.0
+MAX_RUN = 3600.0
 """Computing time (s) of a run up to which particles are made smaller for the sake of a cover; it grows with the cube of their number over
 the height."""
 GROUND = {"density": 2200.0, "s_wave_speed": 450.0, "cohesion": 200.0, "friction_angle": 38.0}
@@ -44,7 +44,7 @@ DEPTH = 0.4
 """Soil below the lowest ground, over the slope's height."""
 START, AFTER = 3.0, 5.0
 """Beginning of the record, after the gravity stage, and what is simulated after its end, s."""
-LONGEST_TITLE = 100
+MAX_TITLE = 100
 """Most characters of the ground file's name in the title."""
 
 SCENE_TEXT = """\
@@ -121,7 +121,7 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
 
     ``component`` is the horizontal component of a record that holds several, as ``motion.component``; ``cover`` the thickness (m) of weak
     soil on stronger ground, which then has the rows of particles that its run-out needs, unless a run would take longer than
-    ``LONGEST_RUN``.
+    ``MAX_RUN``.
 
     ValueError for a ground line, a record or a cover that cannot be used, where one of the files exists, and for a path that a line of
     text cannot hold; nothing is left behind then.
@@ -149,7 +149,7 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         "scene_schema": _schema_line("scene", folder),
         "study_schema": _schema_line("study", folder),
         "name": quoted(name),
-        "title": quoted(f"Slope of {ground.name[:LONGEST_TITLE]} {PLACEHOLDER}"),
+        "title": quoted(f"Slope of {ground.name[:MAX_TITLE]} {PLACEHOLDER}"),
         "scene": quoted(str(scene)),
         "scene_word": shlex.quote(str(scene)),
         "study_word": shlex.quote(str(study)),
@@ -176,8 +176,8 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         rows = ROWS if cover is None else max(ROWS, math.ceil(height * (enough_rows() or ROWS) / cover))
         _write(scene, SCENE_TEXT, facts | _of_rows(rows, height, cover))
         written = load_scene(scene)
-        if rows > ROWS and (seconds := cost(written).seconds) > LONGEST_RUN:
-            rows = max(ROWS, math.floor(rows * (LONGEST_RUN / seconds) ** (1.0 / 3.0)))
+        if rows > ROWS and (seconds := cost(written).seconds) > MAX_RUN:
+            rows = max(ROWS, math.floor(rows * (MAX_RUN / seconds) ** (1.0 / 3.0)))
             _write(scene, SCENE_TEXT, facts | _of_rows(rows, height, cover))
         _write(study, STUDY_TEXT, facts | _of_rows(rows, height, cover))
     except BaseException:

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-SMALLEST_ACCELERATION = 1e-6
+MIN_ACCELERATION = 1e-6
 """Smallest yield acceleration, m/s2; a block slides the farther the smaller it is."""
 EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
@@ -116,7 +116,7 @@ def parse_spacings(text: str | None) -> tuple[float, ...] | None:
 def parse_acceleration(text: str, option: str) -> float:
     """``"2.5 m/s2"`` or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, a bare number among it, and unless positive
     and finite."""
-    from sph.scene.ground_motion import LARGEST_ACCELERATION
+    from sph.scene.ground_motion import MAX_ACCELERATION
     from sph.scene.units import acceleration
 
     bare = text.strip()
@@ -126,8 +126,8 @@ def parse_acceleration(text: str, option: str) -> float:
         value = float(acceleration(text))
     except ValueError as error:
         raise ValueError(f"{option} {text!r}: {error}") from error
-    if not SMALLEST_ACCELERATION <= value <= LARGEST_ACCELERATION:
-        raise ValueError(f"{option} {text!r}: must be positive and finite, from {SMALLEST_ACCELERATION:g} to {LARGEST_ACCELERATION:g} m/s2")
+    if not MIN_ACCELERATION <= value <= MAX_ACCELERATION:
+        raise ValueError(f"{option} {text!r}: must be positive and finite, from {MIN_ACCELERATION:g} to {MAX_ACCELERATION:g} m/s2")
     return value
 
 

@@ -23,9 +23,9 @@ from sph.scene.schema import Scene
 from sph.scene.units import GRAVITY, in_both
 from sph.solver.initial_stress import effective_overburden
 
-LARGEST_STRAIN = 0.05
+MAX_STRAIN = 0.05
 """Shear strain beyond which the method says nothing."""
-STRAINS = np.geomspace(1e-6, LARGEST_STRAIN, 200)
+STRAINS = np.geomspace(1e-6, MAX_STRAIN, 200)
 """Shear strains of a curve, linear in their logarithms between them; the library's 20 end at 3.2 % and miss the damping by up to 2 %."""
 TOLERANCE, ROUNDS = 0.01, 100
 """Relative change of modulus and damping at which the iteration ends, and its most rounds."""
@@ -125,7 +125,7 @@ def darendeli(plasticity: float, overconsolidation: float) -> SoilOf:
 
 
 def respond(scene: Scene, soil_of: SoilOf, x: float | None = None) -> Site:
-    """The response of a column to the scene's motion; ValueError without shaking, beyond ``LARGEST_STRAIN``, and without convergence."""
+    """The response of a column to the scene's motion; ValueError without shaking, beyond ``MAX_STRAIN``, and without convergence."""
     if isinstance(scene.motion, (NoMotion, ConstantAcceleration)):
         raise ValueError(f"{scene.name}: motion.kind: {scene.motion.kind}; a site response needs shaking")
     strata, step, shaken = column(scene, x), scene.numerics.time_step, shaking(scene)
@@ -142,9 +142,9 @@ def respond(scene: Scene, soil_of: SoilOf, x: float | None = None) -> Site:
         found.append(Response(stratum, inside))
         first += count
     worst = max(found, key=lambda each: each.worst.strain)
-    if not worst.worst.strain < LARGEST_STRAIN:
+    if not worst.worst.strain < MAX_STRAIN:
         where, most = ("soil", *scene.layers)[worst.stratum.number], f"{100 * worst.worst.strain:.2g} %"
-        words = f"beyond {100 * LARGEST_STRAIN:g} % equivalent-linear analysis is not valid: the soil fails, so run the scene"
+        words = f"beyond {100 * MAX_STRAIN:g} % equivalent-linear analysis is not valid: the soil fails, so run the scene"
         raise ValueError(f"{scene.name}: {where} is strained by {most}, and {words}")
     if not max(each.max_error for each in parts) < TOLERANCE:
         raise ValueError(

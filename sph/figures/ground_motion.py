@@ -12,7 +12,7 @@ from sph.scene.ground_motion.measures import arias_share
 from sph.scene.ground_motion.processing import integral
 from sph.scene.ground_motion.spectrum import DAMPING, PERIODS, pseudo_acceleration
 
-LEAST_RANGE = 30.0
+MIN_RANGE = 30.0
 """Least ratio of the ends of the axis of a spectrum."""
 LABELS = ("acceleration\n(m/s²)", "velocity\n(m/s)", "displacement\n(m)", "share of Arias\nintensity (%)")
 
@@ -46,7 +46,7 @@ def figure_ground_motion(components: Mapping[str, np.ndarray], interval: float, 
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter("")
     bottom, top = axes["spectrum"].get_ylim()
-    axes["spectrum"].set_ylim(min(bottom, top / LEAST_RANGE), top)
+    axes["spectrum"].set_ylim(min(bottom, top / MIN_RANGE), top)
     axes["spectrum"].grid(which="both", color="0.9", linewidth=0.4)
     also_in_g(axes[LABELS[0]], "y")
     if len(components) > 1:

@@ -13,7 +13,7 @@ from sph.measures.fields import FIELDS
 from sph.measures.mobilised import mobilised_by_layer
 from sph.output.run import Run
 
-MOST_LETTERS = 95
+MAX_LETTERS = 95
 """Most characters in a line of the title."""
 
 
@@ -31,6 +31,6 @@ def figure_mobilised(run: Run, fidelity: str = "") -> Figure:
     figure.colorbar(circles, ax=ax, label=textwrap.fill(f"{shown.label} ({shown.units})", 22), pad=0.015, fraction=0.03, aspect=20)
     of_layers = ", ".join(f"{plain(name)} {100 * share:.0f} %" for name, share in mobilised_by_layer(run, frame).items())
     title = f"Strength mobilised under gravity alone, t = {float(run['time'][frame]):g} s: {of_layers}"
-    ax.set_title("\n".join(textwrap.wrap(title, MOST_LETTERS)), loc="left")
+    ax.set_title("\n".join(textwrap.wrap(title, MAX_LETTERS)), loc="left")
     add_note(figure, [scene], fidelity)
     return figure

@@ -29,9 +29,9 @@ MARKERS = dict(zip(CLASSES, "osDP", strict=True))
 """Classes differ by these as well as by colour."""
 COLUMNS = 3
 """Most panels side by side."""
-MOST_TICKS = 5
+MAX_TICKS = 5
 """Most accelerations that an axis names one by one, in m/s2 and g."""
-MOST_PANELS = 9
+MAX_PANELS = 9
 """Most panels into which a grid is split; of a larger one every run is drawn against each dimension instead."""
 NUMBERED = 15
 """Most cells of a map side by side that have room for their numbers."""
@@ -80,7 +80,7 @@ def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) ->
     other = max((found for found in rest if len(values[found]) <= most), key=lambda found: len(values[found]), default=None)
     split = [found for found in rest if found != other]
     is_grid = not table.duplicated(names).any() and math.prod(map(len, values.values())) == len(table)
-    if not is_grid or math.prod(len(values[found]) for found in split) > MOST_PANELS:
+    if not is_grid or math.prod(len(values[found]) for found in split) > MAX_PANELS:
         return Arrangement([Panel("", found, table) for found in dimensions], None, False)
     panels = []
     for point in itertools.product(*(values[found] for found in split)):
@@ -197,7 +197,7 @@ def _places(ax: Axes, axis: str, found: Dimension, table: pd.DataFrame, cells: b
         getattr(ax, f"set_{axis}lim")(-0.5, len(words) - 0.5)
         return dict(zip(words, map(float, range(len(words))), strict=True))
     at = {word: float(word) for word in words}
-    if labels != words and len(words) <= MOST_TICKS:
+    if labels != words and len(words) <= MAX_TICKS:
         getattr(ax, f"set_{axis}ticks")(list(at.values()), labels)
     if min(at.values()) > 0 and max(at.values()) >= LOG_FROM * min(at.values()):
         getattr(ax, f"set_{axis}scale")("log")

@@ -23,7 +23,7 @@ DISC = 0.5
 """Diameter of the disc over the slope's height."""
 FULL = 0.25
 """Least number of the layer's particles in a disc, over the largest: fewer, at the layer's ends, are single particles."""
-MOST_DISCS = 4000
+MAX_DISCS = 4000
 """Most discs of a layer, around particles evenly through it."""
 
 
@@ -53,7 +53,7 @@ def mobilised_by_layer(run: Run, frame: int) -> dict[str, float]:
         if not len(centres):
             continue
         tree = scipy.spatial.cKDTree(places[there])
-        discs = tree.query_ball_point(centres[:: -(-len(centres) // MOST_DISCS)], 0.5 * DISC * _height(scene))
+        discs = tree.query_ball_point(centres[:: -(-len(centres) // MAX_DISCS)], 0.5 * DISC * _height(scene))
         used, there_is, count = (np.array([of[there][disc].sum() for disc in discs]) for of in (radius, at_yield, np.ones_like(radius)))
         full = (count >= FULL * count.max()) & (there_is > 0.0)
         found[name] = float((used[full] / there_is[full]).max()) if full.any() else 1.0

@@ -21,7 +21,7 @@ from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, re
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.places import ARRIVAL, DEPTH, PASSED, column_of, places_in
 from sph.measures.sides import BACK
-from sph.page.tables import AT_LEAST, MOST_VALUES, NOTHING, Table, metres
+from sph.page.tables import AT_LEAST, MAX_VALUES, NOTHING, Table, metres
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
@@ -356,7 +356,7 @@ def _groups(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     """The runs of a study by the amplitude of shaking, if it has one and not too many."""
     written = list(dict.fromkeys(table[AMPLITUDE])) if AMPLITUDE in table else []
     groups = [(str(value), table[table[AMPLITUDE] == value]) for value in sorted(written, key=float)]
-    return groups if 0 < len(groups) <= MOST_VALUES else [("all" if groups else "of the scene", table)]
+    return groups if 0 < len(groups) <= MAX_VALUES else [("all" if groups else "of the scene", table)]
 
 
 def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why: str = "") -> Table:

@@ -29,7 +29,7 @@ from sph.page.answer import answer
 from sph.page.explorer import explorer
 from sph.page.matrix import matrix
 from sph.page.sections import DOCS, Drawing, Section, of
-from sph.page.tables import MOST_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
+from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
 from sph.scene.units import beside_g
 from sph.storage.files import whole
@@ -258,7 +258,7 @@ def _written(values: pd.Series[str]) -> list[str]:
 def _values(values: pd.Series[str], unit: str) -> str:
     """Values of a dimension of a unit in a cell."""
     written = [beside_g(value, unit) for value in _written(values)]
-    return ", ".join(written) if len(written) <= MOST_VALUES else f"{len(written)} values, {written[0]} to {written[-1]}"
+    return ", ".join(written) if len(written) <= MAX_VALUES else f"{len(written)} values, {written[0]} to {written[-1]}"
 
 
 def _seconds(path: str) -> float:

@@ -17,7 +17,7 @@ from sph.scene.units import beside_g
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
 
-MOST_CELLS = 80
+MAX_CELLS = 80
 """Most runs of which each has a cell."""
 LEGIBLE = 0.4
 """Luminance from which on text on a colour is dark."""
@@ -56,7 +56,7 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
     """The matrix of a study's ``table``, whose index are the names of runs, of which the page has those ``shown``; None for a list of
     runs, and where there are too many."""
     found = arranged(table, dimensions, len(table))
-    if not found.grid or len(table) > MOST_CELLS:
+    if not found.grid or len(table) > MAX_CELLS:
         return None
     panels = []
     for title, along, runs in found.panels:

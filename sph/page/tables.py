@@ -21,7 +21,7 @@ from sph.scene.walls import wall_words
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import Dimension, named, readable, shown_unit
 
-MOST_ROWS = 500
+MAX_ROWS = 500
 """Most rows that the page shows of a CSV file."""
 SOFTENING = "coupling.softening"
 """Shown also where it is not set: failure at once decides the answer."""
@@ -40,9 +40,9 @@ KEYS = (
 """Beginnings of the scene keys that the page shows at once, beside the table of layers."""
 SENTENCE = "sentence"
 """Column of a CSV file that says in words what the row holds."""
-MOST_NUMBERS = 12
+MAX_NUMBERS = 12
 """Most numbers that the page shows of a list of them: those of a line or a record are counted."""
-MOST_VALUES = 12
+MAX_VALUES = 12
 """Most values of a dimension that the page shows one by one."""
 NOTHING = "–"
 """Stands for NaN."""
@@ -91,12 +91,12 @@ def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()
     if SENTENCE in head:
         at, case = head.index(SENTENCE), head.index("case") if "case" in head else None
         several = case is not None and len({row[case] for row in rows}) > 1
-        sentences = [f"{row[case]}: {row[at]}" if several and case is not None else row[at] for row in rows[:MOST_ROWS]]
+        sentences = [f"{row[case]}: {row[at]}" if several and case is not None else row[at] for row in rows[:MAX_ROWS]]
         sentences = list(dict.fromkeys(sentences))
         head, *rows = (row[:at] + row[at + 1 :] for row in (head, *rows))
-    note = f"The first {MOST_ROWS} of {len(rows)} rows." if len(rows) > MOST_ROWS else ""
+    note = f"The first {MAX_ROWS} of {len(rows)} rows." if len(rows) > MAX_ROWS else ""
     units = {row.name: f"{row.name} ({row.units})" for row in variables if row.units != "1"}
-    shown = [[short(cell) for cell in row] for row in rows[:MOST_ROWS]]
+    shown = [[short(cell) for cell in row] for row in rows[:MAX_ROWS]]
     return Table(caption, [units.get(name, name) for name in head], shown, note, str(path), sentences)
 
 
@@ -177,7 +177,7 @@ def _value_words(value: Any) -> str:
     if isinstance(value, tuple):
         return (
             f"{len(value):,} values"
-            if len(value) > MOST_NUMBERS or any(isinstance(part, tuple) for part in value)
+            if len(value) > MAX_NUMBERS or any(isinstance(part, tuple) for part in value)
             else ", ".join(map(_value_words, value))
         )
     return "none" if value is None else f"{value:.10g}" if isinstance(value, float) else str(value)

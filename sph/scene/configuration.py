@@ -104,14 +104,14 @@ OwnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$"), AfterVa
 """Name of a layer, a probe or an uncertain variable."""
 
 
-LARGEST_FILE = 2_000_000
+MAX_FILE = 2_000_000
 """Largest YAML file, bytes."""
 DEEPEST = 30
 """Deepest nesting of sections and lists."""
 DECIMAL = {"int": re.compile(r"[+-]?(0|[1-9][0-9]*)"), "float": re.compile(r"[^_:]*")}
 """How the numbers are written that every reader takes for the same: not 030, 1:30, 0x1F and 1_000, which are 24, 90, 31 and 1000 in YAML
 1.1, and words or other numbers elsewhere."""
-MOST_LINES, LONGEST_LINE = 30, 600
+MAX_LINES, MAX_LINE = 30, 600
 """Most lines of a refusal, and their longest, characters."""
 
 Model = TypeVar("Model", bound=Section)
@@ -121,9 +121,9 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
     """Mapping in a YAML file; raises ValueError naming the file when it is none."""
     try:
         with Path(path).open("rb") as file:
-            text = file.read(LARGEST_FILE + 1)
-        if len(text) > LARGEST_FILE:
-            raise ValueError(f"it is larger than {LARGEST_FILE:,} bytes")
+            text = file.read(MAX_FILE + 1)
+        if len(text) > MAX_FILE:
+            raise ValueError(f"it is larger than {MAX_FILE:,} bytes")
         data = parse_yaml(text.decode("utf-8"))
     except (OSError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as YAML: {error}") from error
@@ -176,7 +176,7 @@ def _check_decimal(node: yaml.Node, path: tuple[Any, ...]) -> None:
     kind = node.tag.rpartition(":")[2]
     if kind != "timestamp" and (kind not in DECIMAL or DECIMAL[kind].fullmatch(node.value)):
         return
-    where = one_line(".".join(str(part)[:LONGEST_LINE] for part in path), LONGEST_LINE // 3)
+    where = one_line(".".join(str(part)[:MAX_LINE] for part in path), MAX_LINE // 3)
     fault = "a date" if kind == "timestamp" else "not one number to all readers of YAML; write decimal digits without a leading zero"
     raise ValueError(f"{where + ': ' if where else ''}{one_line(node.value, 60)} is {fault}; quote it where it is a text")
 
@@ -190,9 +190,9 @@ def _check_once(names: Sequence[str], line: int) -> None:
 def read_text(path: Path) -> str:
     """Text of a user's table: UTF-8, UTF-16 with its mark, or else Windows' western European; ValueError where it is too large or none."""
     with path.open("rb") as file:
-        data = file.read(LARGEST_FILE + 1)
-    if len(data) > LARGEST_FILE:
-        raise ValueError(f"it is larger than {LARGEST_FILE:,} bytes")
+        data = file.read(MAX_FILE + 1)
+    if len(data) > MAX_FILE:
+        raise ValueError(f"it is larger than {MAX_FILE:,} bytes")
     for encoding in ("utf-16",) if data.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8-sig", "cp1252"):
         try:
             text = data.decode(encoding)
@@ -332,7 +332,7 @@ def validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model
     """
     truths = [one_line(f"{origin}: {path}: yes, no, on, off, true and false are not values of any key") for path in _truth_values(data)]
     if truths:
-        raise ValueError("\n".join(truths[:MOST_LINES]))
+        raise ValueError("\n".join(truths[:MAX_LINES]))
     try:
         return model.model_validate(data)
     except ValidationError as error:
@@ -369,7 +369,7 @@ def explain(error: ValidationError, origin: str, data: Mapping[str, Any], model:
         where = ".".join(path)
         found = "" if isinstance(value, (Mapping, BaseModel)) else f" (found {_shown(value)})"
         lines.append(one_line(f"{origin}: {where + ': ' if where else ''}{message}{found}"))
-    return "\n".join(lines[:MOST_LINES] + [f"{origin}: and {len(lines) - MOST_LINES} more"] * (len(lines) > MOST_LINES))
+    return "\n".join(lines[:MAX_LINES] + [f"{origin}: and {len(lines) - MAX_LINES} more"] * (len(lines) > MAX_LINES))
 
 
 def _sections_at(model: type[BaseModel], location: Sequence[int | str]) -> list[type[BaseModel]]:
@@ -399,12 +399,12 @@ def _tags(section: type[BaseModel], tag: str) -> tuple[str, ...]:
 
 def _shown(value: Any) -> str:
     try:
-        return one_line(repr(value), LONGEST_LINE // 3)
+        return one_line(repr(value), MAX_LINE // 3)
     except ValueError:  # Python does not write integers of more than 4,300 digits
         return "a number of too many digits"
 
 
-def one_line(text: str, longest: int = LONGEST_LINE) -> str:
+def one_line(text: str, longest: int = MAX_LINE) -> str:
     """Text that a terminal shows as it is: what is not printable escaped, and cut where it is too long."""
     text = text if len(text) <= longest else f"{text[:longest]} ..."
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)

@@ -18,7 +18,7 @@ FAILED_AREA = 0.01
 alone, in a static test displaced soil."""
 FAILED_SHARE = 0.1
 """The same over the soil that has moved: of a mechanism much smaller than H^2, so much need to have failed under gravity alone."""
-FEWEST_MOVED = 10
+MIN_MOVED = 10
 """Particles that are a mechanism; fewer have rolled off."""
 MOVED = 0.01
 """Displacement, over H, beyond which soil has moved."""

@@ -12,7 +12,7 @@ from sph.scene.ground_motion import GroundMotion
 from sph.scene.motion import linear_ramp, vertical_acceleration
 from sph.scene.schema import Scene
 
-LONGEST_INTERVAL = 1e-3
+MAX_INTERVAL = 1e-3
 """Longest interval between the samples of a scene's motion, s."""
 
 
@@ -41,8 +41,8 @@ def make_loading(scene: Scene, substeps: int = 1) -> Loading:
 
 
 def loading_of(scene: Scene) -> Loading:
-    """A scene's loads over its duration, at the time steps or parts of them no longer than ``LONGEST_INTERVAL``."""
-    return make_loading(scene, substeps=math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9))
+    """A scene's loads over its duration, at the time steps or parts of them no longer than ``MAX_INTERVAL``."""
+    return make_loading(scene, substeps=math.ceil(scene.numerics.time_step / MAX_INTERVAL - 1e-9))
 
 
 def motion_of(scene: Scene) -> GroundMotion:

@@ -26,7 +26,7 @@ from sph.scene.geometry import Geometry
 from sph.scene.gravity import (
     FAILED_AREA,
     FAILED_SHARE,
-    FEWEST_MOVED,
+    MIN_MOVED,
     UNSHAKEN,
     GravityStage,
     InitialVelocity,
@@ -46,19 +46,19 @@ from sph.scene.uncertain import Uncertain, Variable, check_varying, drawn, told
 from sph.scene.walls import Walls, check_walls
 from sph.scene.water import Water, check_water
 
-MOST_PARTICLES = 5_000_000
+MAX_PARTICLES = 5_000_000
 """Most particles of a scene: lattice points of the box and its walls."""
 
-MOST_PAIRS = 1_000_000_000
+MAX_PAIRS = 1_000_000_000
 """Most pairs of neighbours, whose lists take some 30 bytes each."""
 
-MOST_STEPS = 20_000_000
+MAX_STEPS = 20_000_000
 """Most time steps of a run; the loads of every step are kept, 40 bytes each."""
 
-MOST_SAMPLES = 1_000_000
+MAX_SAMPLES = 1_000_000
 """Most samples of the series of a run."""
 
-MOST_STORED = 200_000_000
+MAX_STORED = 200_000_000
 """Most frames times particles of a run, whose fields take 58 bytes each."""
 
 Frequency = Annotated[float, Field(ge=1e-3, le=1e4)]
@@ -249,30 +249,30 @@ class Scene(Section):
         columns, rows = self.lattice
         particles, steps = (columns + 2 * layers) * (rows + 2 * layers), self.steps(self.duration)
         box = f"in the box of {self.geometry.width:g} x {self.geometry.height:g} m"
-        if particles > MOST_PARTICLES:
+        if particles > MAX_PARTICLES:
             raise ValueError(
-                f"numerics.spacing: {numerics.spacing} m makes {particles:,} particles {box}, walls included, at most {MOST_PARTICLES:,}; "
+                f"numerics.spacing: {numerics.spacing} m makes {particles:,} particles {box}, walls included, at most {MAX_PARTICLES:,}; "
                 "choose a larger spacing or a smaller geometry"
             )
         pairs = particles * math.pi * (2 * numerics.smoothing_length / numerics.spacing + numerics.neighbour_skin) ** 2
-        if pairs > MOST_PAIRS:
+        if pairs > MAX_PAIRS:
             raise ValueError(
                 f"numerics.smoothing_ratio: {numerics.smoothing_ratio} makes {pairs:.3g} pairs of {particles:,} particles {box}, "
-                f"at most {MOST_PAIRS:,}; choose a smaller one or a larger numerics.spacing"
+                f"at most {MAX_PAIRS:,}; choose a smaller one or a larger numerics.spacing"
             )
-        if steps > MOST_STEPS:
+        if steps > MAX_STEPS:
             raise ValueError(
-                f"numerics.time_step: {numerics.time_step} s makes {steps:,} steps of duration: {self.duration} s, at most {MOST_STEPS:,}; "
+                f"numerics.time_step: {numerics.time_step} s makes {steps:,} steps of duration: {self.duration} s, at most {MAX_STEPS:,}; "
                 "choose a larger step or a shorter duration"
             )
-        if self.duration > MOST_SAMPLES * outputs.series_interval:
+        if self.duration > MAX_SAMPLES * outputs.series_interval:
             raise ValueError(
-                f"outputs.series_interval: {outputs.series_interval} s makes more than {MOST_SAMPLES:,} samples of duration: "
+                f"outputs.series_interval: {outputs.series_interval} s makes more than {MAX_SAMPLES:,} samples of duration: "
                 f"{self.duration} s; choose a longer interval or a shorter duration"
             )
-        if particles * self.duration > MOST_STORED * outputs.frame_interval:
+        if particles * self.duration > MAX_STORED * outputs.frame_interval:
             raise ValueError(
-                f"outputs.frame_interval: {outputs.frame_interval} s stores {particles:,} particles more than {MOST_STORED:,} times in "
+                f"outputs.frame_interval: {outputs.frame_interval} s stores {particles:,} particles more than {MAX_STORED:,} times in "
                 f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
             )
 
@@ -431,7 +431,7 @@ class Scene(Section):
         stage, more than ``FAILED_SHARE`` is among them, as in a mechanism that is small beside H^2.
         """
         height = self.geometry.crest[1] - self.geometry.toe[1]
-        falls = moved >= FEWEST_MOVED and failed_of_moved > FAILED_SHARE * moved
+        falls = moved >= MIN_MOVED and failed_of_moved > FAILED_SHARE * moved
         return falls or failed * self.numerics.spacing**2 > FAILED_AREA * height**2
 
     def steps(self, time: float) -> int:

@@ -96,7 +96,7 @@ STEEPEST = 100.0
 """Rise over length in plan from which on points near 0 may be degrees."""
 LOWEST, HIGHEST = -500.0, 9000.0
 """Elevations between which all ground lies, m: from below the shore of the Dead Sea to above Mount Everest."""
-MOST_POINTS = 10_000
+MAX_POINTS = 10_000
 NODATA = (0.0, -1.0, -9.0, -99.0, 999.0)
 """Elevations that tables hold where there are none, besides those that no ground has, as -9999."""
 STEEP, STEEPER, HIGH = 2.0, 5.0, 100.0
@@ -132,8 +132,8 @@ def read_line(path: Path, steps: bool = True) -> list[tuple[float, float]]:
 def check_line(points: Sequence[tuple[float, float]], places: Sequence[str], steps: bool = True) -> None:
     """Refuse points (x, elevation) of a line in a vertical section, m, that no ground has, and a line that turns back, or with ``steps``
     false is vertical; ValueError names one of the ``places`` that the points have in their file or scene."""
-    if len(points) > MOST_POINTS:
-        raise ValueError(f"it holds {len(points):,} points, at most {MOST_POINTS:,}; leave some out")
+    if len(points) > MAX_POINTS:
+        raise ValueError(f"it holds {len(points):,} points, at most {MAX_POINTS:,}; leave some out")
     x, y = np.array(points, float).T
     wrong = np.flatnonzero((y < LOWEST) | (y > HIGHEST))
     if wrong.size:

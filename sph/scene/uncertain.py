@@ -33,7 +33,7 @@ DIGITS = 8
 """Significant digits of a drawn value, so that it is the same on every machine."""
 LARGEST = 1e12
 """Largest size of a value, in the unit of its key."""
-LEAST_SHARE = 0.01
+MIN_SHARE = 0.01
 """Smallest probability that bounds may leave of a distribution."""
 
 
@@ -94,8 +94,8 @@ class Variable(Section):
         low, high = self._bounds
         if not low <= self.mean <= high or low == high:
             raise ValueError(f"mean: {self.mean:g} must lie between lower: {low:g} and upper: {high:g}; move the bounds")
-        if self.share < LEAST_SHARE:
-            raise ValueError(f"lower, upper: leave {self.share:.2g} of the probability, at least {LEAST_SHARE:g}; widen them")
+        if self.share < MIN_SHARE:
+            raise ValueError(f"lower, upper: leave {self.share:.2g} of the probability, at least {MIN_SHARE:g}; widen them")
         if self.field is not None:
             self._check_varying()
         return self

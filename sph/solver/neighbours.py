@@ -33,7 +33,7 @@ from sph.solver.physics.seams import turn_gradients
 from sph.solver.physics.walls import add_wall, in_wall, paired, wrap
 from sph.solver.terms import TERMS, Terms
 
-SMALLEST_NORM = 1e-30
+MIN_NORM = 1e-30
 """kg/m4: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
 
 
@@ -53,7 +53,7 @@ class CorePairs(NamedTuple):
     neighbour: np.ndarray  # (m,) uint32
     gx: np.ndarray  # (m,) m_j dW/dx, kg/m4, single or double precision
     gy: np.ndarray  # (m,) likewise
-    inverse_norm: np.ndarray  # (m,) likewise, 1/|g|, 0 below SMALLEST_NORM
+    inverse_norm: np.ndarray  # (m,) likewise, 1/|g|, 0 below MIN_NORM
     sum_x: np.ndarray  # (n,) sum of gx over the row, kg/m4
     sum_y: np.ndarray  # (n,)
     correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
@@ -258,7 +258,7 @@ def make_gradients(pairs: Pairs, terms: Terms, room: Offsets, i: int, row: Row) 
         norm = -factor * r
         pairs.gx[begin + k] = factor * dx
         pairs.gy[begin + k] = factor * dy
-        pairs.inverse_norm[begin + k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
+        pairs.inverse_norm[begin + k] = 1.0 / norm if norm > MIN_NORM else 0.0
     turn_gradients(terms.seams, pairs, i, begin, row.size)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.loading import Loading, make_loading
-from sph.scene.schema import MOST_STEPS, Scene
+from sph.scene.schema import MAX_STEPS, Scene
 from sph.solver.compiled.jit import cache_folder, compile_lock
 from sph.solver.compiled.threads import make_team, together
 from sph.solver.initial_state import initial_state
@@ -128,7 +128,7 @@ class Simulation:
     @property
     def most_substeps(self) -> int:
         """Parts into which a time step may be divided."""
-        return 1 if self.scene.numerics.adaptive_step is None else MOST_STEPS // self.scene.steps(self.scene.duration)
+        return 1 if self.scene.numerics.adaptive_step is None else MAX_STEPS // self.scene.steps(self.scene.duration)
 
     def divide(self, substeps: int) -> None:
         """Divide the scene's time step into so many."""

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sph.scene.schema import MOST_STEPS, Scene
+from sph.scene.schema import MAX_STEPS, Scene
 from sph.solver.compiled.jit import entry
 from sph.solver.optional import Limit
 from sph.solver.physics.artificial_viscosity import viscous_rate
@@ -141,10 +141,10 @@ def check_time_step(scene: Scene) -> None:
     adaptive = scene.numerics.adaptive_step
     if adaptive is not None:
         smallest = min(limits(scene), key=lambda limit: limit.seconds)
-        if scene.duration > MOST_STEPS * adaptive.courant * smallest.seconds:
+        if scene.duration > MAX_STEPS * adaptive.courant * smallest.seconds:
             raise ValueError(
                 f"numerics.adaptive_step: the limit by {smallest.name}, {smallest.seconds:.3g} s ({smallest.reason}), makes more than "
-                f"{MOST_STEPS:,} steps of duration: {scene.duration} s; choose a shorter duration or a larger numerics.spacing"
+                f"{MAX_STEPS:,} steps of duration: {scene.duration} s; choose a shorter duration or a larger numerics.spacing"
             )
         return
     for limit in limits(scene):

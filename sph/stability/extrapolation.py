@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 RATIO = 2.0
 """Coarse spacing over the scene's own, unless the rule needs a finer one."""
-SMALLEST_RATIO = 1.3
+MIN_RATIO = 1.3
 """Of two spacings; closer ones magnify the brackets too much."""
 UNASKED_RATIO = 1.5
 """Smallest ratio of the two spacings of a search in a study, which nobody can ask for others."""
@@ -155,10 +155,10 @@ def two_spacings(scene: Scene, rule: FailureRule, asked: Sequence[float] | None 
     if len(spacings) != 2:
         raise ValueError(f"--spacings: {len(spacings)} numbers, must be two")
     coarse, fine = spacings
-    if not coarse >= SMALLEST_RATIO * fine > 0.0:
+    if not coarse >= MIN_RATIO * fine > 0.0:
         raise ValueError(
             f"numerics.spacing: {fine:g} m leaves no coarser one to extrapolate from: at most {coarse:g} m for the rule, "
-            f"and {SMALLEST_RATIO:g} times {fine:g} m at least; take a finer spacing, or --single for the value at this one"
+            f"and {MIN_RATIO:g} times {fine:g} m at least; take a finer spacing, or --single for the value at this one"
         )
     return coarse, fine
 

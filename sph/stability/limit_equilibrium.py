@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-SMALLEST_SHARE = 0.2
+MIN_SHARE = 0.2
 """Least cos(alpha) + sin(alpha) tan(phi) / F of a base: below it the normal force grows without limit (Whitman and Bailey 1967)."""
 ROUNDS = 10
 """Most iterations; a surface that needs more has no answer."""
@@ -32,7 +32,7 @@ SMALLEST = 1e-3
 """Value below which its change counts over this, since a critical coefficient may be 0."""
 SAME_ROOT = 1e-3
 """Largest difference from 1 of the factor of safety under a critical coefficient."""
-LARGEST_TURN = 0.35
+MAX_TURN = 0.35
 """Largest change of an inclination in a round, rad."""
 TINY = 1e-9
 """Less than any length (m) or stress (Pa) that counts."""
@@ -101,7 +101,7 @@ def bishop(slices: Slices, centre: np.ndarray, k: float = 0.0) -> Balance:
             old, inverse = inverse, drive / (radius * (s.cohesion * length + normal * s.friction).sum(axis=1))
             if not (np.abs(inverse - old) > NEAR * inverse).any():
                 break
-        sound = (np.minimum(share, cosine) >= SMALLEST_SHARE).all(axis=1) & (drive > 0.0) & (inverse > 0.0)
+        sound = (np.minimum(share, cosine) >= MIN_SHARE).all(axis=1) & (drive > 0.0) & (inverse > 0.0)
         return np.where(sound, 1.0 / inverse, np.inf), normal
 
     return _without_negative_strength(slices, solve)
@@ -182,13 +182,13 @@ def _spencer(s: Slices, k: float | np.ndarray | None) -> tuple[np.ndarray, np.nd
         rest, rest_theta = _sum(q, arm) - moment, _sum(q_theta, arm) + _sum(q, arm_theta)
         rest_value = _sum(q_value, arm) - (moment_by_k if critical else 0.0)
         turn = (force * rest_value - rest * force_value) / (force_value * rest_theta - force_theta * rest_value)
-        turn = np.where(plane, 0.0, np.clip(turn, -LARGEST_TURN, LARGEST_TURN))
+        turn = np.where(plane, 0.0, np.clip(turn, -MAX_TURN, MAX_TURN))
         change = -(force + force_theta * turn) / force_value
         value, theta = value + change, theta + turn
         open_by = np.maximum(np.abs(change) / np.maximum(np.abs(value), SMALLEST), np.abs(turn))
         if not (open_by > NEAR).any():
             break
-    found = (open_by <= FOUND) & (share >= SMALLEST_SHARE).all(axis=1)
+    found = (open_by <= FOUND) & (share >= MIN_SHARE).all(axis=1)
     if not critical:
         found &= (value > 0.0) & (pull.sum(axis=1) > 0.0)
         value = 1.0 / value

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-SMALLEST_TOLERANCE = 1e-6
+MIN_TOLERANCE = 1e-6
 """Smallest relative width of a bracket; bisection of numbers ends at 1e-16, and a simulation's verdict long before."""
 TOLERANCE = 0.005
 """Relative width of a bracket at which a search ends; the extrapolation over two spacings magnifies it up to threefold."""
@@ -76,10 +76,10 @@ def search(
 
     The walk begins at index ``start`` and goes towards the unstable end while the tests stand, towards the stable one while they
     fail.  The bracket is closed to ``tolerance`` times its middle, or times ``smallest`` if that is larger.
-    Tests whose outcome is ``known``, by value, are not made again.  ValueError for a tolerance below ``SMALLEST_TOLERANCE``.
+    Tests whose outcome is ``known``, by value, are not made again.  ValueError for a tolerance below ``MIN_TOLERANCE``.
     """
-    if not tolerance >= SMALLEST_TOLERANCE:
-        raise ValueError(f"tolerance: {tolerance} must be positive, {SMALLEST_TOLERANCE:g} at least")
+    if not tolerance >= MIN_TOLERANCE:
+        raise ValueError(f"tolerance: {tolerance} must be positive, {MIN_TOLERANCE:g} at least")
     trials: list[Trial] = []
 
     def stands(value: float) -> bool:

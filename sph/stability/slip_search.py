@@ -40,7 +40,7 @@ WORTH = 1e-3
 PROMISING = 1.25
 """Factor of a guide's first surface over the best so far up to which it is followed."""
 
-MOST_TENSION = 0.05
+MAX_TENSION = 0.05
 """Share of a surface in tension above which Spencer's answer is not taken."""
 PENALTY = 5.0
 """Added in the search for the share of a surface in tension beyond that."""
@@ -54,7 +54,7 @@ ENOUGH = 1.06
 """Factor of safety over that of Bishop's circle up to which an answer without a crack is taken."""
 HUGE = 1e6
 """More than any factor of safety."""
-LARGEST_FACTOR = 20.0
+MAX_FACTOR = 20.0
 """Factor of safety above which nothing slides: a surface in level ground, which balances by rounding alone, or hardly any slope."""
 EXITS, ENTRIES = np.tan(np.radians([15.0, 30.0, 45.0])), np.tan(np.radians([40.0, 55.0, 70.0]))
 """Gradients with which the first lines along a guide leave it towards the toe and the crest."""
@@ -66,7 +66,7 @@ class Surface(NamedTuple):
     """The worst slip surface of a method."""
 
     value: float
-    """factor of safety, at most ``LARGEST_FACTOR``, or critical coefficient; infinite where none was found"""
+    """factor of safety, at most ``MAX_FACTOR``, or critical coefficient; infinite where none was found"""
     where: str
     """``circle``, ``line``, or what it runs along"""
     x: np.ndarray
@@ -116,18 +116,18 @@ def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibriu
         raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
     section = Section.of(scene)
     circle, near = worst_circle(section, coefficient)
-    enough, factor = (ENOUGH * circle.value, min(circle.value, LARGEST_FACTOR)) if len(near) else (0.0, 1.0)
+    enough, factor = (ENOUGH * circle.value, min(circle.value, MAX_FACTOR)) if len(near) else (0.0, 1.0)
     if circle.tension > CRACKED and not np.isfinite(spencer(section.slices(circles(section, near[:1], SLICES)[0]), coefficient).value[0]):
         enough = 0.0
     surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, enough, factor)
-    surface = surface if surface.value <= LARGEST_FACTOR else NONE
+    surface = surface if surface.value <= MAX_FACTOR else NONE
     critical = NONE
     if 1.0 < surface.value < np.inf:
         value, tension = spencer_coefficient(section.slices(Edges(surface.x[None], surface.y[None], surface.seam[None])))
-        own = surface._replace(value=float(value[0]), tension=float(tension[0])) if tension[0] <= 2.0 * MOST_TENSION else NONE
+        own = surface._replace(value=float(value[0]), tension=float(tension[0])) if tension[0] <= 2.0 * MAX_TENSION else NONE
         near = worst_circle(section, own.value, near)[1] if own.value < np.inf and len(near) else near
         critical = worst_surface(section, spencer_coefficient, near, own, 0.0 if surface.crack > 0.0 else HUGE, 1.0)
-    return LimitEquilibrium(circle if circle.value <= LARGEST_FACTOR else NONE, surface, critical)
+    return LimitEquilibrium(circle if circle.value <= MAX_FACTOR else NONE, surface, critical)
 
 
 def worst_circle(section: Section, coefficient: float = 0.0, among: np.ndarray | None = None) -> tuple[Surface, np.ndarray]:
@@ -290,12 +290,12 @@ def _values(section: Section, edges: Edges, method: Callable[..., Balance], *cen
     if possible.any():
         slices = section.slices(Edges(*(each[possible] for each in edges)))
         balance = method(slices, *(each[possible] for each in centre))
-        values[possible] = balance.value if centre else balance.value + PENALTY * np.maximum(balance.tension - MOST_TENSION, 0.0)
+        values[possible] = balance.value if centre else balance.value + PENALTY * np.maximum(balance.tension - MAX_TENSION, 0.0)
     return values
 
 
 def _surface(
-    section: Section, where: str, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray, most: float = 2.0 * MOST_TENSION
+    section: Section, where: str, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray, most: float = 2.0 * MAX_TENSION
 ) -> tuple[Surface, int]:
     """The worst of some surfaces (n,), cut into more slices than in the search, which may have found bases that lie well in weak layers.
 

@@ -45,7 +45,7 @@ COURANT = 0.8
 """Part of the measured limit that the time step of a static test takes."""
 FRAME_INTERVAL = 0.25
 """Interval of the frames of a static test, from which displacements are taken and at which the time step adapts, s, about."""
-LONGEST_OBSERVATION = 1e4
+MAX_OBSERVATION = 1e4
 """Longest free observation, s."""
 SMOOTHING_RATIO = 1.3
 """Largest smoothing length of a static test over the spacing; the lattice does not rearrange there."""
@@ -55,7 +55,7 @@ REARRANGEMENT = 0.1
 """Distance over the spacing within which particles of a standing slope move (measured: 0.03 at most well below the limit of V17)."""
 SEAM_LOSS = ("slip_at_residual", "residual_cohesion", "residual_friction_angle")
 """Keys by which a seam loses strength."""
-FEWEST_ROWS = 10
+MIN_ROWS = 10
 """Rows of particles over the height of a slope that a static test needs."""
 ELASTIC_SHARE = 0.1
 """Elastic movement of the ground in a static test over the rule's displacement."""
@@ -92,7 +92,7 @@ def dividing(spacing: float, height: float) -> float:
 
 def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
     """Largest spacing that gives the slope enough rows and keeps the particles' own motion below the rule's displacement, m."""
-    return slope_height(scene) * min(rule.displacement / REARRANGEMENT, 1.0 / FEWEST_ROWS)
+    return slope_height(scene) * min(rule.displacement / REARRANGEMENT, 1.0 / MIN_ROWS)
 
 
 def stiffness(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> float:
@@ -131,10 +131,10 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, sof
         load = {"kind": "constant", "amplitude": acceleration, "start": stage, "ramp": rule.ramp}
         loaded += rule.ramp
     observed = rule.observation * math.sqrt(height / scene.gravity.acceleration)
-    if observed > LONGEST_OBSERVATION:
+    if observed > MAX_OBSERVATION:
         raise ValueError(
             f"gravity.acceleration: {scene.gravity.acceleration:g} m/s2 with the rule's observation: {rule.observation:g} sqrt(H/g) "
-            f"asks for {observed:.3g} s, at most {LONGEST_OBSERVATION:g} s"
+            f"asks for {observed:.3g} s, at most {MAX_OBSERVATION:g} s"
         )
     changes = {
         "duration": math.ceil((loaded + observed) / frame) * frame,

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-LONGEST_HIDDEN = 140
+MAX_HIDDEN = 140
 """Longest name of a hidden file, bytes; the file systems in use take 255, those that encrypt names 143."""
 
 
@@ -43,7 +43,7 @@ def whole(path: Path | str) -> Iterator[Path]:
 def beside(path: Path, role: str) -> Path:
     """Hidden file of a role beside a file."""
     name = f".{path.name}.{role}"
-    if len(os.fsencode(name)) > LONGEST_HIDDEN:
+    if len(os.fsencode(name)) > MAX_HIDDEN:
         name = f".{hashlib.sha256(os.fsencode(path.name)).hexdigest()[:16]}.{role}"
     return path.with_name(name)
 

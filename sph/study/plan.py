@@ -21,8 +21,8 @@ from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, title_of, value_of
 from sph.study.runs import YIELD, BaseScene, Kind, Run, SharedRuns
 from sph.study.sampling import read_cases
-from sph.study.schema import MOST_SHOWN, PROFILES, Point, Study
-from sph.study.tables import MOST_SLOPES, Layout
+from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
+from sph.study.tables import MAX_SLOPES, Layout
 
 PART = 500
 """Runs that are measured by one job."""
@@ -120,7 +120,7 @@ class Plan:
 
     @functools.cached_property
     def searches(self) -> dict[str, Run]:
-        """The search for the yield acceleration of the slope of every run, by run; none where there are more than ``MOST_SLOPES``."""
+        """The search for the yield acceleration of the slope of every run, by run; none where there are more than ``MAX_SLOPES``."""
         return yields(self.shared)
 
     @property
@@ -131,7 +131,7 @@ class Plan:
     @property
     def page_stages(self) -> list[Run]:
         """The stages whose cost the page counts: all, where it shows all runs."""
-        return self.shared.gravities + self.shared.pre_failures if len(self.study.runs) <= MOST_SHOWN else []
+        return self.shared.gravities + self.shared.pre_failures if len(self.study.runs) <= MAX_SHOWN else []
 
     def figure_runs(self, figure: str) -> list[Run]:
         """The runs from which a figure is drawn, by the name of its file; ValueError for one that the study does not have."""
@@ -211,9 +211,9 @@ class Plan:
 
 
 def yields(shared: SharedRuns) -> dict[str, Run]:
-    """The search for the yield acceleration of the slope of every run, by run; none of runs of more than ``MOST_SLOPES`` slopes, of which
+    """The search for the yield acceleration of the slope of every run, by run; none of runs of more than ``MAX_SLOPES`` slopes, of which
     all draws of uncertain soil are one unless each is searched."""
-    return {run: shared.search_of(run) for run in shared.runs} if len(shared.searches(YIELD)) <= MOST_SLOPES else {}
+    return {run: shared.search_of(run) for run in shared.runs} if len(shared.searches(YIELD)) <= MAX_SLOPES else {}
 
 
 def load_study(

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import sph
 from sph.output.run import Run
-from sph.scene.configuration import MOST_LINES, differences, one_line, scene_files
+from sph.scene.configuration import MAX_LINES, differences, one_line, scene_files
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import filled
 from sph.storage import trajectory
@@ -67,7 +67,7 @@ def differing(attrs: Mapping[str, Any], scene: Scene, path: Path | str) -> list[
         f"{name}: {one_line(repr(there), SHOWN)} in the file, {one_line(repr(here), SHOWN)} planned"
         for name, (there, here) in differences(found.model_dump(), scene.model_dump()).items()
     ]
-    return lines[:MOST_LINES] + [f"and {len(lines) - MOST_LINES} more"] * (len(lines) > MOST_LINES)
+    return lines[:MAX_LINES] + [f"and {len(lines) - MAX_LINES} more"] * (len(lines) > MAX_LINES)
 
 
 def planned(scene: Mapping[str, Any]) -> Planned:

@@ -47,7 +47,7 @@ QUICK_ROWS = 2
 """Rows of particles across the thinnest layer at the finer of these spacings, where the scene's own has as many."""
 LONGEST = 60.0
 """Computing time on the reference machine after which no further slope or strength of a study is tested for standing, s."""
-MOST_SCENES = 200
+MAX_SCENES = 200
 """Most scenes of a study that are looked at, evenly through it."""
 OWN_SECONDS = 12.0
 """Computing time on the reference machine up to which a study tests whether a slope stands at the spacing of its runs, s."""

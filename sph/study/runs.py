@@ -27,7 +27,7 @@ YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
 SLOPE_LIMITS = (YIELD, SAFETY)
 """The limits of a slope: every study searches the first, the other is searched where it is asked for."""
 SIMULATION = "simulation"
-MOST_KEPT = 10_000
+MAX_KEPT = 10_000
 """Scenes of a study that stay in memory, of 4 to 25 kB each."""
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
@@ -54,7 +54,7 @@ DRAW = re.compile(r"uncertain\.(?!variables\.[^.]+\.mean$)")
 
 
 class BaseScene:
-    """A scene, as a mapping, over which points are laid.  The scene at a point is built once, of the first ``MOST_KEPT`` points."""
+    """A scene, as a mapping, over which points are laid.  The scene at a point is built once, of the first ``MAX_KEPT`` points."""
 
     def __init__(self, keys: Mapping[str, Any]) -> None:
         self.keys = keys
@@ -68,7 +68,7 @@ class BaseScene:
         """The validated scene with these set; ValueError, whose lines begin with the origin, where it is refused."""
         values = frozenset(point.items())
         scene = self._built.get(values) or make_scene(self.at(point), origin)
-        if len(self._built) < MOST_KEPT:
+        if len(self._built) < MAX_KEPT:
             self._built[values] = scene
         return scene
 

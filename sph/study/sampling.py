@@ -16,9 +16,9 @@ from pydantic import BeforeValidator, model_validator
 from sph.scene.configuration import Section, found_file, key
 from sph.study.dimensions import in_si
 
-MOST_RUNS = 100_000
+MAX_RUNS = 100_000
 """Most runs of a study."""
-LARGEST_TABLE = 50_000_000
+MAX_TABLE = 50_000_000
 """Largest CSV file of cases, bytes."""
 DIGITS = 8
 """Significant digits of a sampled value."""
@@ -64,7 +64,7 @@ class Sample(Section):
         "is filled evenly, a larger sample is a new one",
         default="sobol",
     )
-    size: int = key("number of runs; powers of 2 suit sobol best", ge=1, le=MOST_RUNS)
+    size: int = key("number of runs; powers of 2 suit sobol best", ge=1, le=MAX_RUNS)
     seed: int = key("seed of the sample", ge=0, le=2**31, default=1)
     ranges: Ranges = key("range of each dimension: [low, high] or {bounds: [low, high], scale: log}", min_length=1, max_length=100)
 
@@ -85,8 +85,8 @@ def read_cases(folders: Sequence[Path], name: str) -> list[dict[str, str]]:
     """The cases in a CSV file, dimensions in its first row and one case in each after it; ValueError names file, line and value."""
     path = found_file(folders, name, "cases")
     try:
-        if path.stat().st_size > LARGEST_TABLE:
-            raise ValueError(f"it is larger than {LARGEST_TABLE:,} bytes")
+        if path.stat().st_size > MAX_TABLE:
+            raise ValueError(f"it is larger than {MAX_TABLE:,} bytes")
         with path.open(newline="", encoding="utf-8-sig") as file:
             head, *rows = ([cell.strip() for cell in row] for row in csv.reader(file, strict=True) if row)
     except (OSError, ValueError, csv.Error) as error:

@@ -20,10 +20,10 @@ from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, key, validated
 from sph.scene.names import check_known
 from sph.study.dimensions import CASE, Value, Values, as_written, check_names, in_order, in_si, is_number, point_name, value_of
-from sph.study.sampling import KINDS, MOST_RUNS, Sample
+from sph.study.sampling import KINDS, MAX_RUNS, Sample
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
-LONGEST_NAME = 120
+MAX_NAME = 120
 """Longest file name of a run that is made of its dimensions, without suffix; where one is longer, runs are numbered."""
 OWN = "own"
 """The fidelity of a study that names none: the scene as it is."""
@@ -35,7 +35,7 @@ PROFILES = "profiles"
 """The figure of some runs at their end."""
 FEW_PROFILES = 4
 """Runs that it shows where the study does not choose them."""
-MOST_SHOWN = 200
+MAX_SHOWN = 200
 """Most runs that the page shows, evenly through the study."""
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
@@ -121,13 +121,13 @@ class Study(Section):
                 if len({value_of(value) for value in values}) < len(values):
                     raise ValueError(f"grid.{name}: {list(values)} contains the same value twice")
             runs = math.prod(len(values) for values in self.grid.values())
-            if runs > MOST_RUNS:
-                raise ValueError(f"grid: {', '.join(self.grid)}: the grid has {runs:,} points, at most {MOST_RUNS:,}")
+            if runs > MAX_RUNS:
+                raise ValueError(f"grid: {', '.join(self.grid)}: the grid has {runs:,} points, at most {MAX_RUNS:,}")
         else:
             assert self.cases is not None
             check_names("cases", self.cases[0])
-            if len(self.cases) > MOST_RUNS:
-                raise ValueError(f"cases: {len(self.cases):,} runs, at most {MOST_RUNS:,}")
+            if len(self.cases) > MAX_RUNS:
+                raise ValueError(f"cases: {len(self.cases):,} runs, at most {MAX_RUNS:,}")
             for number, case in enumerate(self.cases, 1):
                 if set(case) != set(self.cases[0]):
                     raise ValueError(
@@ -177,7 +177,7 @@ class Study(Section):
     def numbered(self) -> bool:
         """Whether the names of runs are numbers: in a list, and in a grid whose dimensions make too long a name."""
         longest = point_name({name: max(values, key=len) for name, values in self.values.items()})
-        return self.grid is None or len(longest) > LONGEST_NAME
+        return self.grid is None or len(longest) > MAX_NAME
 
     @functools.cached_property
     def runs(self) -> dict[str, Point]:
@@ -210,8 +210,8 @@ class Study(Section):
     @property
     def page_runs(self) -> list[str]:
         """Names of the runs that the page shows."""
-        few = len(self.runs) <= MOST_SHOWN
-        return list(self.runs) if few else self.shown_runs(MOST_SHOWN, self.figure_files.get(PROFILES, []))
+        few = len(self.runs) <= MAX_SHOWN
+        return list(self.runs) if few else self.shown_runs(MAX_SHOWN, self.figure_files.get(PROFILES, []))
 
     @property
     def figure_files(self) -> dict[str, list[str]]:

@@ -55,7 +55,7 @@ EXPECTED: tuple[Variable, ...] = tuple(
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
 """The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.variants.advice``."""
-MOST_SLOPES = 10
+MAX_SLOPES = 10
 """Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 BASELINE: tuple[Variable, ...] = (
     Variable(
@@ -66,7 +66,7 @@ BASELINE: tuple[Variable, ...] = (
         "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s, by a pseudo-static search, "
         "extrapolated to spacing 0 from that of the run and twice that; 0 "
         "where it fails without any; for uncertain soil that of the mean soil, unless the study sets yield_acceleration: each; NaN where "
-        f"the study has more than {MOST_SLOPES} slopes, or where the search found none (its file says why)",
+        f"the study has more than {MAX_SLOPES} slopes, or where the search found none (its file says why)",
     ),
     Variable(
         "newmark_displacement",

@@ -35,7 +35,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy  # type: ignore[import-untyped]
 
-SMALLEST_FACTOR, LARGEST_FACTOR = 0.01, 100.0
+MIN_FACTOR, MAX_FACTOR = 0.01, 100.0
 """Factors of safety between which the limit is sought."""
 FLATTEST = 1e-3
 """Smallest height of a slope over r_0: below it the moment is a difference of large numbers."""
@@ -101,7 +101,7 @@ def limit_factor(
         phi = math.degrees(math.atan(math.tan(math.radians(friction_angle)) / factor))
         return _surplus(slope_angle, height, unit_weight, cohesion / factor, phi, base_depth, wet)
 
-    return float(scipy.optimize.brentq(surplus, SMALLEST_FACTOR, LARGEST_FACTOR, rtol=1e-6))
+    return float(scipy.optimize.brentq(surplus, MIN_FACTOR, MAX_FACTOR, rtol=1e-6))
 
 
 def limit_strength_ratio(
@@ -118,7 +118,7 @@ def limit_strength_ratio(
     def surplus(ratio: float) -> float:
         return _surplus(slope_angle, height, unit_weight, ratio * cohesion, ratio * friction_angle, base_depth, wet)
 
-    return float(scipy.optimize.brentq(surplus, 1.0 / LARGEST_FACTOR, 1.0 / SMALLEST_FACTOR, rtol=1e-6))
+    return float(scipy.optimize.brentq(surplus, 1.0 / MAX_FACTOR, 1.0 / MIN_FACTOR, rtol=1e-6))
 
 
 def infinite_slope_factor(
@@ -147,7 +147,7 @@ def infinite_slope_factor(
         held = cohesion / factor + unit_weight * depth * (math.cos(slope) - r_u / math.cos(slope)) * math.tan(phi)
         return eta * held - unit_weight * depth * math.sin(slope)
 
-    return float(scipy.optimize.brentq(surplus, SMALLEST_FACTOR, LARGEST_FACTOR, rtol=1e-6))
+    return float(scipy.optimize.brentq(surplus, MIN_FACTOR, MAX_FACTOR, rtol=1e-6))
 
 
 def _surplus(slope_angle: float, height: float, unit_weight: float, cohesion: float, phi: float, base_depth: float, wet: Wet) -> float:

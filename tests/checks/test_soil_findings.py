@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from sph.checks.finding import Finding
 from sph.checks.messages import words
 from sph.checks.scene import findings
-from sph.checks.soil import LARGEST_TANGENT, USED_UP, at_rest, of_rest, of_soils
+from sph.checks.soil import MAX_TANGENT, USED_UP, at_rest, of_rest, of_soils
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
 from sph.solver.initial_stress import effective_overburden
@@ -141,7 +141,7 @@ def test_the_inclination_of_a_slope_in_radians_is_told() -> None:
 def test_a_coefficient_of_wall_friction_that_is_an_angle_is_told() -> None:
     walls = {"base": "free_slip", "layers": 3, "friction": {"base": 8.0, "sides": 0.0}}
     (one,) = told(**{"walls": walls})
-    assert words(one).key == "walls.friction.base" and "0.141" in words(one).wanted and LARGEST_TANGENT < 8.0
+    assert words(one).key == "walls.friction.base" and "0.141" in words(one).wanted and MAX_TANGENT < 8.0
     assert told(**{"walls": walls | {"friction": {"base": 0.5}}}) == []
 
 

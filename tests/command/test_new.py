@@ -67,7 +67,7 @@ def test_a_cover_has_the_rows_that_its_run_out_needs(tmp_path: Path, monkeypatch
 def test_a_cover_that_would_cost_too_much_is_coarser_and_the_command_says_what_that_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sph.command.new.LONGEST_RUN", 60.0)
+    monkeypatch.setattr("sph.command.new.MAX_RUN", 60.0)
     told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", str(tmp_path), "--cover", "1"])
     scene = load_scene(tmp_path / "scene.yaml")
     (cover,) = covers(scene)

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from calling import call
 
-from sph.command.site import LARGEST_STRAIN, STRAINS, TOLERANCE, Stratum, column, darendeli, respond, rows
+from sph.command.site import MAX_STRAIN, STRAINS, TOLERANCE, Stratum, column, darendeli, respond, rows
 from sph.jobs.exit_codes import REFUSED
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, load_scene, make_scene
@@ -78,9 +78,9 @@ def test_bedrock_below_an_absorbing_base_gives_waves_back_as_in_closed_form(rock
 def test_curves_fall_up_to_the_largest_strain() -> None:
     """Darendeli (2001): G / Gmax = 1 / (1 + (strain / 0.0352 %)^0.919) at one atmosphere without plasticity; 0.01041 at 5 %."""
     soil = darendeli(0.0, 1.0)(Stratum(0, 0.0, 1.0, 200.0, 18.0, 101.325))
-    strains = np.array([1e-4, 2e-4, 1e-3, 2e-3, 0.01, 0.02, 0.0316, 0.04, LARGEST_STRAIN])
+    strains = np.array([1e-4, 2e-4, 1e-3, 2e-3, 0.01, 0.02, 0.0316, 0.04, MAX_STRAIN])
     np.testing.assert_allclose(soil.mod_reduc(strains), 1.0 / (1.0 + (strains / 3.52e-4) ** 0.919), rtol=1e-3)
-    assert soil.mod_reduc(LARGEST_STRAIN) == pytest.approx(0.01041, rel=1e-3)
+    assert soil.mod_reduc(MAX_STRAIN) == pytest.approx(0.01041, rel=1e-3)
 
 
 def test_the_column_has_the_layers_of_its_place() -> None:
@@ -137,7 +137,7 @@ def test_the_command_prints_a_table_and_writes_a_scene(tmp_path: Path) -> None:
     [
         (["--set", "motion.kind=none"], "a site response needs shaking"),
         (["--at", "500"], "--at 500: must lie in the model, from 100 to 220 m"),
-        (["--set", "motion.amplitude=60"], f"beyond {100 * LARGEST_STRAIN:g} % equivalent-linear analysis is not valid"),
+        (["--set", "motion.amplitude=60"], f"beyond {100 * MAX_STRAIN:g} % equivalent-linear analysis is not valid"),
     ],
 )
 def test_what_the_method_cannot_answer_is_refused(tmp_path: Path, options: list[str], words: str) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "development" / "adding.md").read_text(encoding="utf-8")
-MOST_FILES = 7
+MAX_FILES = 7
 SCENE = "{'name': 'block', 'scheme': 'paper', 'duration': 5.0, 'geometry': {'shape': 'block', 'width': 10.0, 'height': 5.0}, %s}"
 CHECKS = {
     "A term": f"""
@@ -107,7 +107,7 @@ def test_the_change_of_a_section(title: str, tmp_path: Path) -> None:
     shutil.copy(ROOT / "Snakefile", tmp_path)
     diff = changes()[title]
     files = re.findall(r"^\+\+\+ b/(\S+)", diff, re.M)
-    assert 1 <= len(files) <= MOST_FILES
+    assert 1 <= len(files) <= MAX_FILES
     number = re.search(rf"\| \[[^]]+\]\(#{title.lower().replace(' ', '-')}\) \| (\d+)", PAGE)
     assert number and int(number[1]) == len(files), "the table of the page says how many"
     subprocess.run(["git", "apply", "-p1", "--unidiff-zero", "-"], input=diff, text=True, cwd=tmp_path, check=True)

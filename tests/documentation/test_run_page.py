@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "workflow" / "scripts" / "docs"))
-from run_page import MOST_LINES, run_page  # noqa: E402
+from run_page import MAX_LINES, run_page  # noqa: E402
 
 PAGE = """# A page
 
@@ -91,8 +91,8 @@ def test_blocks_find_the_repository(tmp_path: Path) -> None:
 
 
 def test_long_output_is_cut_and_says_so(tmp_path: Path) -> None:
-    text = run(tmp_path, f"```python\nfor n in range({MOST_LINES + 5}):\n    print(n)\n```\n")
-    assert f"\n{MOST_LINES - 1}\n... and 5 lines more\n" in text
+    text = run(tmp_path, f"```python\nfor n in range({MAX_LINES + 5}):\n    print(n)\n```\n")
+    assert f"\n{MAX_LINES - 1}\n... and 5 lines more\n" in text
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from small_scenes import SceneBuilder
 
 from sph.jobs.exit_codes import REFUSED
 from sph.scene.ground_motion import read_record
-from sph.scene.ground_motion.text import LARGEST_RECORD
+from sph.scene.ground_motion.text import MAX_RECORD
 from sph.solver.run import Run, run
 from sph.storage import trajectory
 
@@ -151,7 +151,7 @@ def test_a_record_beyond_all_measure_is_refused(tmp_path: Path, content: str, wa
 def test_a_record_without_end_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "record.csv"
     path.symlink_to("/dev/zero")
-    with pytest.raises(ValueError, match=f"larger than {LARGEST_RECORD:,} bytes"):
+    with pytest.raises(ValueError, match=f"larger than {MAX_RECORD:,} bytes"):
         read_record(path)
 
 

@@ -17,7 +17,7 @@ from sph.experiments.base import file_name
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import EXPERIMENTS, load_study
 from sph.scene.configuration import found_file, merge, validated
-from sph.study.sampling import MOST_RUNS
+from sph.study.sampling import MAX_RUNS
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDY: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -139,7 +139,7 @@ def test_a_label_is_one_line_without_a_formula(tmp_path: Path, kind: str, label:
 
 def test_a_grid_has_an_end() -> None:
     axis = [str(number) for number in range(1, 101)]
-    with pytest.raises(ValueError, match=f"grid .*1,000,000.*{MOST_RUNS:,}"):
+    with pytest.raises(ValueError, match=f"grid .*1,000,000.*{MAX_RUNS:,}"):
         validated(AnyStudy, merge(STUDY, {"grid": {"S_R": axis, "gamma": axis, "amplitude": axis}}), "config")
     with pytest.raises(ValueError, match=r"grid\.gamma\.0: .*100"):
         validated(AnyStudy, merge(STUDY, {"grid": {"gamma": ["0" * 300]}}), "config")

@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from synthetic import study_row
 
 from sph.measures.metrics import CLASSES
-from sph.page.matrix import DIVERGED, MOST_CELLS, UNSHAKEN, Cell, matrix
+from sph.page.matrix import DIVERGED, MAX_CELLS, UNSHAKEN, Cell, matrix
 from sph.study.dimensions import Dimension
 
 DIMENSIONS = [Dimension("S_R", "-", "", False), Dimension("gamma", "1/s", "", False), Dimension("amplitude", "m/s2", "", False)]
@@ -64,7 +64,7 @@ def test_no_matrix_of_a_list_nor_of_a_large_study() -> None:
     table = a_study(("0.1", "0.5"), ("1",), ("2.0", "4.0"))
     assert matrix(table[:3], DIMENSIONS, "A", []) is None
     many = a_study(tuple(f"{0.1 * n:.1f}" for n in range(1, 10)), ("1",), tuple(map(str, range(1, 10))))
-    assert len(many) > MOST_CELLS and matrix(many, DIMENSIONS, "A", []) is None
+    assert len(many) > MAX_CELLS and matrix(many, DIMENSIONS, "A", []) is None
 
 
 @pytest.mark.parametrize("kind", [*CLASSES, UNSHAKEN, DIVERGED])

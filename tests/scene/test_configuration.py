@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from sph.command.options import parse_settings
 from sph.scene.configuration import (
     DEEPEST,
-    LARGEST_FILE,
-    LONGEST_LINE,
-    MOST_LINES,
+    MAX_FILE,
+    MAX_LINE,
+    MAX_LINES,
     FileSection,
     Section,
     dotted,
@@ -77,8 +77,8 @@ def test_what_is_no_file_of_text_is_refused(path: Path) -> None:
 
 def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "huge.yaml"
-    path.write_bytes(b"#" * (LARGEST_FILE + 1))
-    with pytest.raises(ValueError, match=f"larger than {LARGEST_FILE:,} bytes"):
+    path.write_bytes(b"#" * (MAX_FILE + 1))
+    with pytest.raises(ValueError, match=f"larger than {MAX_FILE:,} bytes"):
         read_yaml(path)
 
 
@@ -151,13 +151,13 @@ def test_a_message_is_one_short_printable_line(value: Any) -> None:
         with pytest.raises(ValueError, match=r"some\.yaml") as raised:
             validated(Small, data, "some.yaml")
         assert str(raised.value).isprintable()
-        assert len(str(raised.value)) <= LONGEST_LINE + len(" ...")
+        assert len(str(raised.value)) <= MAX_LINE + len(" ...")
 
 
 def test_a_message_has_few_lines() -> None:
     with pytest.raises(ValueError, match="and 970 more") as raised:
         validated(Small, {f"key_{number}": 1 for number in range(1000)}, "some.yaml")
-    assert len(str(raised.value).splitlines()) == MOST_LINES + 1
+    assert len(str(raised.value).splitlines()) == MAX_LINES + 1
 
 
 def test_a_key_that_is_no_text_is_refused() -> None:
@@ -190,7 +190,7 @@ def test_content_of_a_file_is_kept_with_the_section(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(None, "no such file"), (b"1 x", "could not convert"), (b"1\x00\x00", "not a text file"), (b"1 " * LARGEST_FILE, "larger than")],
+    [(None, "no such file"), (b"1 x", "could not convert"), (b"1\x00\x00", "not a text file"), (b"1 " * MAX_FILE, "larger than")],
 )
 def test_a_bad_file_is_named_with_its_key(tmp_path: Path, content: bytes | None, message: str) -> None:
     file = tmp_path / "numbers.txt"

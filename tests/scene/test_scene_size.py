@@ -16,7 +16,7 @@ from small_scenes import SceneBuilder
 
 from sph.scene.loading import make_loading
 from sph.scene.motion import linear_ramp
-from sph.scene.schema import MOST_PARTICLES, MOST_STEPS
+from sph.scene.schema import MAX_PARTICLES, MAX_STEPS
 from sph.solver.particles import place_particles
 from sph.solver.simulation import Simulation
 from sph.solver.time_step import _damped, check_time_step, limits
@@ -65,7 +65,7 @@ def test_the_limits_leave_room_for_the_finest_variant(small_slope: SceneBuilder)
     # 0.1 m: 0.29 million particles; a minute of shaking at 1e-5 s: 6 million steps.
     fine = small_slope({"numerics.spacing": 0.1, "numerics.time_step": 1e-5, "duration": 60.0, "outputs.frame_interval": 0.25})
     columns, rows = fine.lattice
-    assert columns * rows < MOST_PARTICLES / 10 and fine.steps(fine.duration) < MOST_STEPS / 3
+    assert columns * rows < MAX_PARTICLES / 10 and fine.steps(fine.duration) < MAX_STEPS / 3
 
 
 def test_the_lattice_is_the_one_that_is_filled(small_slope: SceneBuilder, free_block: SceneBuilder) -> None:

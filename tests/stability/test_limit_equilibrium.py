@@ -18,7 +18,7 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
-from sph.stability.slip_search import LARGEST_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
+from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
 
 PUBLISHED = 0.02
@@ -356,8 +356,8 @@ def test_a_cut_with_little_ground_behind_its_crest_has_a_surface_or_none(seed: i
     dip, weight = np.arctan2(height, out), 10.0 * height * (out - crest + 30.0)
     held = cohesion * np.hypot(out, height) + weight * np.cos(dip) * math.tan(math.radians(angle))
     wedges = np.where((weight >= 0.0101 * 20.0 * height**2) & (dip < math.radians(87.9)), held / (weight * np.sin(dip)), math.inf)
-    assert found.spencer.value <= (1.0 + EXACT) * wedges.min() or wedges.min() > LARGEST_FACTOR
-    assert all(each.value == math.inf or 0.0 < each.value <= LARGEST_FACTOR for each in (found.bishop, found.spencer))
+    assert found.spencer.value <= (1.0 + EXACT) * wedges.min() or wedges.min() > MAX_FACTOR
+    assert all(each.value == math.inf or 0.0 < each.value <= MAX_FACTOR for each in (found.bishop, found.spencer))
     assert found.critical.value == math.inf or found.spencer.value > 1.0
 
 

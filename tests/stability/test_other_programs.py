@@ -21,7 +21,7 @@ BLOCK_TOLERANCE = 0.03
 """At ratios of yield to peak up to a half."""
 PARTS = 4
 """Parts of an interval of the record in which pySLAMMER steps: at a whole one, as recorded, it was off by up to 3.6 %."""
-SMALLEST_SLIP = 1e-3
+MIN_SLIP = 1e-3
 """Displacement (m) that no slope engineer would tell from none, in which both may differ."""
 SPECTRUM_TOLERANCE = 0.02
 """eqsig looks at the oscillators at the samples only, which misses peaks of short periods."""
@@ -41,7 +41,7 @@ def test_the_sliding_block_is_that_of_pyslammer(path: Path, ratio: float) -> Non
     for turned in (False, True):
         other = pyslammer.RigidAnalysis(limit / pyslammer.G_EARTH, shaking, inverse=turned)
         own = sliding_block(time, -acceleration if turned else acceleration, limit).permanent
-        assert own == pytest.approx(float(other.max_sliding_disp), rel=BLOCK_TOLERANCE, abs=SMALLEST_SLIP)
+        assert own == pytest.approx(float(other.max_sliding_disp), rel=BLOCK_TOLERANCE, abs=MIN_SLIP)
 
 
 @pytest.mark.parametrize("path", RECORDS, ids=lambda path: path.stem)

@@ -84,14 +84,14 @@ EDITED_WORDS = (
 EXECUTED = (
     # file, edit, digests that change
     ("solver/physics/kernels.py", "1.0 + 2.0 * q", "1.0 + 2.5 * q", {"compiled", "solver", "search"}),
-    ("scene/schema.py", "MOST_STEPS = ", "MOST_STEPS = 2 * ", {"solver", "search"}),
+    ("scene/schema.py", "MAX_STEPS = ", "MAX_STEPS = 2 * ", {"solver", "search"}),
     ("scene/walls.py", '"contact side wall", reflects=True', '"contact side wall", grips=True', {"solver", "search", "walls"}),
     ("storage/trajectory.py", '"y", FRAME, "f4", "m"', '"y", FRAME, "f8", "m"', {"solver", "search"}),
     ("measures/metrics.py", "0.5 *", "0.6 *", {"analysis"}),
     ("stability/record.py", "!= digest", "== digest", {"search"}),
     ("experiments/measured/cost-accuracy.csv", "spacing", "spacings", {"analysis"}),
     ("page/page.css", "margin: ", "margin:  ", {"page"}),
-    ("storage/files.py", "LONGEST_HIDDEN = 140", "LONGEST_HIDDEN = 139", set()),
+    ("storage/files.py", "MAX_HIDDEN = 140", "MAX_HIDDEN = 139", set()),
     ("scene/scheme.py", '"no_slip"', '"fixed"', set()),
 )
 

@@ -1,7 +1,7 @@
 # Purpose: what is found before any run; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
 # Outputs: preflight.csv, parts/*.csv, study.nc, study.csv
-from sph.study.preflight import MOST_SCENES, preflight_searches
+from sph.study.preflight import MAX_SCENES, preflight_searches
 from sph.study.runs import SAFETY
 from sph.study.searches import slope_searches
 
@@ -27,7 +27,7 @@ rule preflight:
             lambda wildcards: {
                 "planned": {
                     name: planned(PLAN.shared.runs[name].scene)
-                    for name in PLAN.study.shown_runs(MOST_SCENES)
+                    for name in PLAN.study.shown_runs(MAX_SCENES)
                 },
                 "size": len(PLAN.study.runs),
                 "searches": preflight_searches(bool(PLAN.searches)),

@@ -22,12 +22,12 @@ from sph.experiments.trigger.points import Key, columns_in, label_columns, names
 from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED, MetricSettings
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
-from sph.stability.extrapolation import RATIO, SMALLEST_RATIO, to_zero
+from sph.stability.extrapolation import MIN_RATIO, RATIO, to_zero
 from sph.stability.search import Search
 from sph.storage.trajectory import Variable
 from sph.study.baseline import newmark_factor
 from sph.study.dimensions import Dimension, value_of
-from sph.study.tables import MOST_SLOPES, count_column, number_column, read_csv, text_column
+from sph.study.tables import MAX_SLOPES, count_column, number_column, read_csv, text_column
 from sph.study.verdicts import FAILS, HOLDS
 
 ONE = Searched((Dimension("amplitude", "m/s2", "", False),), "amplitude")
@@ -89,7 +89,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
             "yield_acceleration",
             "m s-2",
             "pseudo-static estimate: constant acceleration at which the slope fails; NaN where the case has more than "
-            f"{MOST_SLOPES} slopes, or where the search found none",
+            f"{MAX_SLOPES} slopes, or where the search found none",
         ),
         number_column(
             "newmark_intensity",
@@ -161,7 +161,7 @@ def coarser_cases(scenes: Mapping[str, Scene]) -> dict[str, tuple[str, float]]:
     found = {}
     for case, spacing in spacings.items():
         ratios = {other: spacings[other] / spacing for other in scenes if alike[other] == alike[case] and scenes[case].coupling.softening}
-        coarser = [other for other, ratio in ratios.items() if ratio >= SMALLEST_RATIO]
+        coarser = [other for other, ratio in ratios.items() if ratio >= MIN_RATIO]
         if coarser:
             nearest = min(coarser, key=lambda other: abs(ratios[other] - RATIO))
             found[case] = nearest, ratios[nearest]

@@ -35,11 +35,11 @@ from sph.study.schema import Point
 
 FOLDER = "trigger"
 """Folder of the results, in that of the study at the searching fidelity."""
-MOST_RUNS = 10_000
+MAX_RUNS = 10_000
 """Most points of an undivided lattice."""
-MOST_LEVELS = 12
+MAX_LEVELS = 12
 """Most divisions of a cell."""
-LEAST_STEP = 1e-5
+MIN_STEP = 1e-5
 """Smallest step of a lattice over its largest value: labels have six digits."""
 SEARCHED = {"points": "trigger", "maps": "maps"}
 """Table of all points of a search, and the search."""
@@ -151,8 +151,8 @@ class Trigger(Section):
                 if value_of(value) not in searched:
                     raise ValueError(f"confirm.at.{name}: {value} is not one of those searched, {', '.join(self.at[name])}")
         check_known("confirm.collapse_class", [self.confirm.collapse_class] if self.confirm else (), self.classes)
-        if self.levels > MOST_LEVELS:
-            raise ValueError(f"tolerance: {self.tolerance:g} must be at least {self.intensity.bracket(MOST_LEVELS):.2g} with this lattice")
+        if self.levels > MAX_LEVELS:
+            raise ValueError(f"tolerance: {self.tolerance:g} must be at least {self.intensity.bracket(MAX_LEVELS):.2g} with this lattice")
         self._check_extent()
         return self
 
@@ -164,11 +164,11 @@ class Trigger(Section):
             spans += [(f"maps.over.{name}", span, self.maps.levels) for name, span in own.items()]
             points["maps"] = len(self.maps.cases or self.cases) * math.prod(span.cells + 1 for span in own.values())
         for where, span, levels in spans:
-            if span.widest(levels) <= LEAST_STEP * span.highest:
+            if span.widest(levels) <= MIN_STEP * span.highest:
                 raise ValueError(f"{where}: steps of {span.widest(levels):.2g} at {span.highest:g} are too small for labels of six digits")
         for where, count in points.items():
-            if count > MOST_RUNS:
-                raise ValueError(f"{where}: the undivided lattice has {count:,} points, at most {MOST_RUNS:,}")
+            if count > MAX_RUNS:
+                raise ValueError(f"{where}: the undivided lattice has {count:,} points, at most {MAX_RUNS:,}")
 
     @property
     def dimensions(self) -> tuple[str, ...]:
@@ -177,9 +177,9 @@ class Trigger(Section):
 
     @property
     def levels(self) -> int:
-        """How often a cell of intensities is divided until all are within the tolerance; ``MOST_LEVELS`` + 1 if that is not enough."""
-        narrow = (level for level in range(MOST_LEVELS + 1) if self.intensity.bracket(level) <= self.tolerance * (1.0 + 1e-9))
-        return next(narrow, MOST_LEVELS + 1)
+        """How often a cell of intensities is divided until all are within the tolerance; ``MAX_LEVELS`` + 1 if that is not enough."""
+        narrow = (level for level in range(MAX_LEVELS + 1) if self.intensity.bracket(level) <= self.tolerance * (1.0 + 1e-9))
+        return next(narrow, MAX_LEVELS + 1)
 
 
 class Searched(NamedTuple):
@@ -422,7 +422,7 @@ class TriggerPlan:
     def searches(self) -> dict[tuple[str, ...], Run]:
         """The searches for the yield accelerations of the slopes, by case and the values of the other dimensions.
 
-        A case of more than ``MOST_SLOPES`` slopes has none.
+        A case of more than ``MAX_SLOPES`` slopes has none.
         """
         found: dict[tuple[str, ...], Run] = {}
         for case, folder in self.searched.items():

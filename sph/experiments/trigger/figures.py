@@ -36,7 +36,7 @@ from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.study.dimensions import Dimension, is_number
 
 MARKERS = "osD^v<>p"
-MOST_LETTERS = 72
+MAX_LETTERS = 72
 """Most characters of the titles of panels side by side, together."""
 GRID_POINTS = 241
 """Points along each side of a map's background."""
@@ -234,7 +234,7 @@ def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tupl
     axes = figure.subplots(len(cases), len(planes), sharex=True, sharey=True, squeeze=False)
     pairs = [(case, plane) for case in cases for plane in planes]
     titles = [", ".join([plane] * bool(plane) + [plain(case)] * (len(cases) > 1)) for case, plane in pairs]
-    label_panels(axes.flat, titles, max(16, MOST_LETTERS // len(planes)))
+    label_panels(axes.flat, titles, max(16, MAX_LETTERS // len(planes)))
     for ax in axes[-1]:
         ax.set_xlabel(_axis(across))
     for ax in axes[:, 0]:

@@ -31,7 +31,7 @@ SAFETY = 1.25
 """Factor of safety of the index for three spacings."""
 ORDERS = (0.5, 3.0)
 """Orders that count as convergence: the scheme's is between 1 and 2; one far outside is a coincidence of three numbers."""
-LARGEST_ORDER = 20.0
+MAX_ORDER = 20.0
 QUANTITIES = ("displacement_magnitude", "runout", "onset_after_start")
 
 CONVERGENCE: tuple[Variable, ...] = (
@@ -90,7 +90,7 @@ def observed_convergence(spacings: Sequence[float], values: Sequence[float]) -> 
 
 
 def _order(ratio: float, r21: float, r32: float) -> float:
-    """Root p of ratio = r21^p (r32^p - 1) / (r21^p - 1), at most ``LARGEST_ORDER``; NaN where none is positive."""
+    """Root p of ratio = r21^p (r32^p - 1) / (r21^p - 1), at most ``MAX_ORDER``; NaN where none is positive."""
 
     def excess(p: float) -> float:
         return p * math.log(r21) + math.log(math.expm1(p * math.log(r32)) / math.expm1(p * math.log(r21))) - math.log(ratio)
@@ -98,9 +98,9 @@ def _order(ratio: float, r21: float, r32: float) -> float:
     smallest = 1e-6
     if excess(smallest) >= 0:
         return math.nan
-    if excess(LARGEST_ORDER) <= 0:
-        return LARGEST_ORDER
-    return float(scipy.optimize.brentq(excess, smallest, LARGEST_ORDER, xtol=1e-12))
+    if excess(MAX_ORDER) <= 0:
+        return MAX_ORDER
+    return float(scipy.optimize.brentq(excess, smallest, MAX_ORDER, xtol=1e-12))
 
 
 def convergence_table(frame: pd.DataFrame, parameter: str) -> pd.DataFrame:

@@ -18,7 +18,7 @@ from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_pan
 
 MARKERS = "osD^v<>ph8PXdH*"
 """Markers of the parameters, beside their colours."""
-LEAST_ERROR = 1e-3
+MIN_ERROR = 1e-3
 """Errors below this are drawn at it: a logarithmic axis has no zero."""
 LABELS = {"displacement_magnitude": "displacement of A (m)", "runout": "run-out (m)", "onset_after_start": "onset of A (s of shaking)"}
 
@@ -57,7 +57,7 @@ def figure_tradeoff(table: pd.DataFrame) -> Figure:
 
 def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mapping[str, tuple[Any, str]]) -> None:
     cost = np.array([variant.cost for variant in variants])
-    error = np.maximum([variant.errors[name] for variant in variants], LEAST_ERROR)
+    error = np.maximum([variant.errors[name] for variant in variants], MIN_ERROR)
     agrees = np.array([variant.classes_agree == variant.cases for variant in variants])
     # The front is that of what 'sph advise' may answer.
     sound = agrees & np.array([variant.sound for variant in variants])

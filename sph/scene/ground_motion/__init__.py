@@ -33,7 +33,7 @@ from sph.scene.ground_motion.esm import read_esm
 from sph.scene.ground_motion.geonet import read_geonet
 from sph.scene.ground_motion.peer import OTHER_HISTORIES, read_at2
 from sph.scene.ground_motion.smc import read_smc
-from sph.scene.ground_motion.text import LARGEST_ACCELERATION as LARGEST_ACCELERATION
+from sph.scene.ground_motion.text import MAX_ACCELERATION as MAX_ACCELERATION
 from sph.scene.ground_motion.text import read_lines
 from sph.scene.ground_motion.units import Unit
 from sph.scene.ground_motion.untimed import read_untimed

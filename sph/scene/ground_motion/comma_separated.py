@@ -18,7 +18,7 @@ import numpy as np
 from sph.scene.cells import COMMENT, cells, check_commas, names
 from sph.scene.ground_motion.columns import columns_of, quantity
 from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
-from sph.scene.ground_motion.text import LARGEST_ACCELERATION, LARGEST_TIME, SHORTEST_INTERVAL, number, read_lines
+from sph.scene.ground_motion.text import MAX_ACCELERATION, MAX_TIME, MIN_INTERVAL, number, read_lines
 from sph.scene.ground_motion.units import Unit, size_of, unit_of_column
 from sph.scene.ground_motion.untimed import REMEDY, is_untimed, read_untimed
 from sph.scene.units import SECONDS, unit_of
@@ -68,12 +68,10 @@ def read_csv(path: Path | str, unit: Unit | None = None, wanted: Direction = "ho
             raise ValueError(f"{where}: must have {table.width} columns, has {len(values)} {shown}")
         read = _finite(where, line, table.places)
         numbers = [scale * value for scale, value in zip(table.scales, read, strict=True)]
-        if abs(numbers[0]) > LARGEST_TIME or max(map(abs, numbers[1:])) > LARGEST_ACCELERATION:
-            raise ValueError(f"{where}: must not exceed {LARGEST_TIME:g} s and {LARGEST_ACCELERATION:g} m/s2 {shown}")
-        if rows and not numbers[0] - rows[-1][0] >= SHORTEST_INTERVAL:
-            raise ValueError(
-                f"{where}: time {numbers[0]} s must be greater than {rows[-1][0]} s before it, by {SHORTEST_INTERVAL:g} s at least"
-            )
+        if abs(numbers[0]) > MAX_TIME or max(map(abs, numbers[1:])) > MAX_ACCELERATION:
+            raise ValueError(f"{where}: must not exceed {MAX_TIME:g} s and {MAX_ACCELERATION:g} m/s2 {shown}")
+        if rows and not numbers[0] - rows[-1][0] >= MIN_INTERVAL:
+            raise ValueError(f"{where}: time {numbers[0]} s must be greater than {rows[-1][0]} s before it, by {MIN_INTERVAL:g} s at least")
         rows.append(numbers)
     if len(rows) < 2:
         raise ValueError(f"{path}: must hold at least two samples of time (s) and acceleration (m/s2) (found {len(rows)})")

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
-from sph.scene.ground_motion.text import LARGEST_ACCELERATION, check_head, check_peak, last_digit, number, read_lines
+from sph.scene.ground_motion.text import MAX_ACCELERATION, check_head, check_peak, last_digit, number, read_lines
 from sph.scene.ground_motion.units import Unit, size_of
 from sph.scene.units import SIZES
 
@@ -59,8 +59,8 @@ def read_knet(path: Path | str, unit: Unit | None = None, wanted: Direction = "h
     if not (full_scale > 0 and full_count > 0):
         raise ValueError(f"{path}, line {FACTOR + 1}: must be a scale factor above 0 (found {lines[FACTOR]!r})")
     acceleration = np.array(counts) * (size_of(path, SIZES["gal"], unit) * full_scale / full_count)
-    if not np.abs(acceleration).max() <= LARGEST_ACCELERATION:
-        raise ValueError(f"{path}: must be finite accelerations up to {LARGEST_ACCELERATION:g} m/s2")
+    if not np.abs(acceleration).max() <= MAX_ACCELERATION:
+        raise ValueError(f"{path}: must be finite accelerations up to {MAX_ACCELERATION:g} m/s2")
     rounding = last_digit(lines[PEAK].split()[-1])
     check_peak(f"{path}, line {PEAK + 1}: the head", 0.01 * peak, acceleration - acceleration.mean(), 0.01 * rounding)
     return np.arange(len(counts)) / rate, acceleration

@@ -16,9 +16,9 @@ from sph.scene.configuration import Section, key
 
 PADS = 1.5
 """Zeros before and after a record that is filtered, in periods of the lower corner times the order (Converse and Brady 1992)."""
-MOST_SAMPLES = 200_000
+MAX_SAMPLES = 200_000
 """Most samples of a record in a scene."""
-LARGEST_FACTOR = 1000
+MAX_FACTOR = 1000
 """Largest numerator and denominator of the ratio of two intervals."""
 
 
@@ -99,7 +99,7 @@ def band_passed(acceleration: np.ndarray, interval: float, band: BandPass) -> np
     kind = "lowpass" if band.low is None else "highpass" if band.high is None else "bandpass"
     corners = [corner for corner in (band.low, band.high) if corner is not None]
     filters = scipy.signal.butter(band.order, corners if len(corners) > 1 else corners[0], kind, fs=2.0 * half, output="sos")
-    pads = min(int(np.ceil(PADS * band.order / min(corners) / interval)), MOST_SAMPLES)
+    pads = min(int(np.ceil(PADS * band.order / min(corners) / interval)), MAX_SAMPLES)
     padded = np.pad(acceleration, pads)
     return scipy.signal.sosfiltfilt(filters, padded, padtype=None)[pads : pads + acceleration.size]
 
@@ -128,13 +128,11 @@ def resampled(acceleration: np.ndarray, old: float, new: float) -> np.ndarray:
 
     ValueError where the ratio is none of small whole numbers, and for too many samples.
     """
-    ratio = Fraction(old / new).limit_denominator(LARGEST_FACTOR)
-    if ratio.numerator > LARGEST_FACTOR or ratio == 0 or abs(ratio * new / old - 1) > 1e-6:
-        raise ValueError(
-            f"resample.interval: {new:g} s and the record's {old:g} s must have a ratio of whole numbers up to {LARGEST_FACTOR}"
-        )
-    if acceleration.size * ratio > MOST_SAMPLES:
-        raise ValueError(f"resample.interval: {new:g} s makes more than {MOST_SAMPLES:,} samples of the record's {acceleration.size:,}")
+    ratio = Fraction(old / new).limit_denominator(MAX_FACTOR)
+    if ratio.numerator > MAX_FACTOR or ratio == 0 or abs(ratio * new / old - 1) > 1e-6:
+        raise ValueError(f"resample.interval: {new:g} s and the record's {old:g} s must have a ratio of whole numbers up to {MAX_FACTOR}")
+    if acceleration.size * ratio > MAX_SAMPLES:
+        raise ValueError(f"resample.interval: {new:g} s makes more than {MAX_SAMPLES:,} samples of the record's {acceleration.size:,}")
     return scipy.signal.resample_poly(acceleration, ratio.numerator, ratio.denominator)
 
 

@@ -20,16 +20,16 @@ from sph.scene.configuration import Section, check_file, key
 from sph.scene.ground_motion import in_borehole, read_components
 from sph.scene.ground_motion.direction import Direction
 from sph.scene.ground_motion.measures import measure
-from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline, Resample, Trim, process
+from sph.scene.ground_motion.processing import MAX_SAMPLES, BandPass, Baseline, Resample, Trim, process
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
 from sph.scene.ground_motion.stochastic import INTERVAL, Stochastic, synthesised
-from sph.scene.ground_motion.text import LARGEST_ACCELERATION
+from sph.scene.ground_motion.text import MAX_ACCELERATION
 from sph.scene.ground_motion.units import Unit
 from sph.scene.units import Acceleration
 
 UNEVEN = 0.1
 """Largest distance of a sample from an even spacing, over the interval: times are written with few digits."""
-MOST_GAPS = 0.1
+MAX_GAPS = 0.1
 """Largest share of steps longer than usual that are gaps in an even record, and no uneven record."""
 DIGITS = 9
 """Digits of the samples in a scene; recorders have six or seven."""
@@ -39,14 +39,14 @@ ComponentName = Annotated[
     BeforeValidator(lambda value: str(value) if type(value) is int else value, json_schema_input_type=int | str),
     Field(min_length=1, max_length=80),
 ]
-Sample = Annotated[float, Field(ge=-LARGEST_ACCELERATION, le=LARGEST_ACCELERATION)]
+Sample = Annotated[float, Field(ge=-MAX_ACCELERATION, le=MAX_ACCELERATION)]
 
 
 class RecordData(Section):
     """The samples of a record, as read."""
 
     interval: float = key("interval of the samples", "s", ge=1e-6, le=10)
-    x: tuple[Sample, ...] = key("horizontal acceleration", "m/s2", min_length=2, max_length=MOST_SAMPLES)
+    x: tuple[Sample, ...] = key("horizontal acceleration", "m/s2", min_length=2, max_length=MAX_SAMPLES)
     y: tuple[Sample, ...] | None = key("vertical acceleration, positive upwards", "m/s2", default=None)
     instrument: Literal["borehole"] | None = key(
         "borehole: the motion is that within the ground, at the depth of the instrument; null: at the surface, or not known", default=None
@@ -235,8 +235,8 @@ def processed(record: Record) -> Processed:
     scale = record.factor * _scale(record, components[0], interval)
     horizontal = scale * components[0]
     vertical = scale * record.vertical.factor * components[1] if record.vertical is not None else np.zeros_like(horizontal)
-    if not max(np.abs(horizontal).max(), np.abs(vertical).max()) <= LARGEST_ACCELERATION:
-        raise ValueError(f"factor: {record.factor:g}: more than {LARGEST_ACCELERATION:g} m/s2")
+    if not max(np.abs(horizontal).max(), np.abs(vertical).max()) <= MAX_ACCELERATION:
+        raise ValueError(f"factor: {record.factor:g}: more than {MAX_ACCELERATION:g} m/s2")
     return Processed(interval * np.arange(horizontal.size), horizontal, vertical)
 
 
@@ -275,8 +275,8 @@ def read_data(
                 "vertical.unequal_length to cut, so that both end with the shorter one, or to pad, so that zeros follow it"
             )
         columns = [column[:shorter] if unequal == "cut" else np.pad(column, (0, longer - column.size)) for column in columns]
-    if columns[0].size > MOST_SAMPLES:
-        raise ValueError(f"{files[0][0]}: holds {columns[0].size:,} samples, at most {MOST_SAMPLES:,} in a scene; cut or resample it")
+    if columns[0].size > MAX_SAMPLES:
+        raise ValueError(f"{files[0][0]}: holds {columns[0].size:,} samples, at most {MAX_SAMPLES:,} in a scene; cut or resample it")
     rounded = [tuple(float(f"{value:.{DIGITS}g}") for value in column) for column in columns]
     return RecordData(interval=interval, x=rounded[0], y=rounded[1] if len(rounded) > 1 else None, instrument="borehole" if below else None)
 
@@ -303,7 +303,7 @@ def check_gaps(path: str, time: np.ndarray) -> None:
     steps = np.diff(time)
     usual = float(np.median(steps))
     gaps = np.flatnonzero(steps > 1.5 * usual)
-    if 0 < gaps.size <= MOST_GAPS * steps.size:
+    if 0 < gaps.size <= MAX_GAPS * steps.size:
         at, others = int(gaps[0]), f", and {gaps.size - 1} more behind it" if gaps.size > 1 else ""
         raise ValueError(
             f"{path}: has a gap of {steps[at]:g} s between sample {at + 1}, at {time[at]:g} s, and the next, at {time[at + 1]:g} s"

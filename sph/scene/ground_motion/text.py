@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-LARGEST_RECORD = 100_000_000
+MAX_RECORD = 100_000_000
 """Largest file of a record, bytes."""
-LARGEST_TIME, LARGEST_ACCELERATION, SHORTEST_INTERVAL = 1e6, 1e6, 1e-9
+MAX_TIME, MAX_ACCELERATION, MIN_INTERVAL = 1e6, 1e6, 1e-9
 """Largest time (s) and acceleration (m/s2) of a record, either sign, and the shortest interval between its samples (s)."""
 SAME_PEAK, SAME_LENGTH = 0.01, 0.005
 """Relative difference of peaks and of durations from which on a header is another record's."""
@@ -21,9 +21,9 @@ def read_lines(path: Path | str) -> list[str]:
     """Lines of a text in UTF-8, UTF-16 with its mark, or Latin-1, that end in LF, CR LF or CR; ValueError names the file."""
     try:
         with Path(path).open("rb") as file:
-            data = file.read(LARGEST_RECORD + 1)
-        if len(data) > LARGEST_RECORD:
-            raise ValueError(f"it is larger than {LARGEST_RECORD:,} bytes")
+            data = file.read(MAX_RECORD + 1)
+        if len(data) > MAX_RECORD:
+            raise ValueError(f"it is larger than {MAX_RECORD:,} bytes")
         text = _decoded(data)
         if "\0" in text:
             raise ValueError("it is binary")
@@ -81,9 +81,9 @@ def samples(
             line = lines[index].rstrip()
             values = [number(line[at : at + width]) for at in range(0, len(line), width)]
         for value in values:
-            if value is None or not abs(value * scale) <= LARGEST_ACCELERATION:
+            if value is None or not abs(value * scale) <= MAX_ACCELERATION:
                 raise ValueError(
-                    f"{path}, line {index + 1}: must be finite numbers up to {LARGEST_ACCELERATION:g} m/s2 (found {lines[index][:80]!r})"
+                    f"{path}, line {index + 1}: must be finite numbers up to {MAX_ACCELERATION:g} m/s2 (found {lines[index][:80]!r})"
                 )
             found.append(value)
     check_count(path, announced, len(found), head)
@@ -95,11 +95,10 @@ def rows(path: Path | str, lines: list[str], first: int, width: int, scale: floa
     found: list[list[float]] = []
     for index in range(first, len(lines)):
         words = lines[index].split()
-        values = [scale * value for value in map(number, words) if value is not None and abs(value * scale) <= LARGEST_ACCELERATION]
+        values = [scale * value for value in map(number, words) if value is not None and abs(value * scale) <= MAX_ACCELERATION]
         if words and not len(words) == len(values) == width:
             raise ValueError(
-                f"{path}, line {index + 1}: must be {width} finite numbers up to {LARGEST_ACCELERATION:g} m/s2 "
-                f"(found {lines[index][:80]!r})"
+                f"{path}, line {index + 1}: must be {width} finite numbers up to {MAX_ACCELERATION:g} m/s2 (found {lines[index][:80]!r})"
             )
         found += [values] if words else []
     check_count(path, announced, len(found), head)
@@ -140,8 +139,8 @@ def check_head(path: Path | str, count: float, interval: float) -> None:
     """Refuse a number of samples below two, and an interval (s) that is none."""
     if not count >= 2:
         raise ValueError(f"{path}: must hold at least two samples (its head announces {count:g})")
-    if not (math.isfinite(interval) and interval >= SHORTEST_INTERVAL and count * interval <= LARGEST_TIME):
+    if not (math.isfinite(interval) and interval >= MIN_INTERVAL and count * interval <= MAX_TIME):
         raise ValueError(
-            f"{path}: the interval of its samples must be from {SHORTEST_INTERVAL:g} s on, its end at most {LARGEST_TIME:g} s "
+            f"{path}: the interval of its samples must be from {MIN_INTERVAL:g} s on, its end at most {MAX_TIME:g} s "
             f"(its head has {count:,.0f} samples every {interval:g} s)"
         )

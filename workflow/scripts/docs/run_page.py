@@ -16,7 +16,7 @@ from sph.study.machine import duration, machine_class
 
 FENCE = re.compile(r"^```(sh|python)\n(.*?)^```$\n?", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(\]\()([^)\s:#]+)(\))")
-MOST_LINES = 60
+MAX_LINES = 60
 """Of the output of a block; what is longer is cut."""
 PROGRAMS = {"sh": ["bash", "-eu", "-o", "pipefail"], "python": [sys.executable]}
 NEXT_CELL = "\f"
@@ -79,8 +79,8 @@ def shown(block: Block, output: str) -> str:
     """A block and its output: a Markdown table where it prints one, else as it is printed, cut where it is long."""
     code = f"```{block.language}\n{block.code}```\n\n"
     lines = [line.rstrip() for line in output.strip("\n").splitlines()]
-    if len(lines) > MOST_LINES:
-        lines = [*lines[:MOST_LINES], f"... and {len(lines) - MOST_LINES} lines more"]
+    if len(lines) > MAX_LINES:
+        lines = [*lines[:MAX_LINES], f"... and {len(lines) - MAX_LINES} lines more"]
     text = "\n".join(lines)
     if not text:
         return code
