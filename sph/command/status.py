@@ -35,7 +35,7 @@ from sph.storage.files import beside
 from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.planned import differing
-from sph.study.runs import Kind, Run
+from sph.study.runs import Kind, PlannedRun
 
 REFRESH = 2.0
 """Wall time between looks of ``--watch``, s."""
@@ -66,7 +66,7 @@ class Stand(StrEnum):
 class Job(NamedTuple):
     """A run of the catalogue with its scene built."""
 
-    run: Run
+    run: PlannedRun
     scene: Scene
 
     @property
@@ -106,7 +106,7 @@ def status(given: Path | None, configfile: Path | None, watching: bool, as_json:
     return to_json(record(catalogue.plan, states), indent=1) if as_json else "\n".join(lines(catalogue.plan, states))
 
 
-def look_at(runs: Sequence[Run], base: Path) -> list[State]:
+def look_at(runs: Sequence[PlannedRun], base: Path) -> list[State]:
     """How runs stand, by what lies below the working folder."""
     return [look(Job(run, run.built), base) for run in runs]
 

@@ -21,7 +21,7 @@ from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
 from sph.storage.files import whole
 from sph.study.plan import Plan
-from sph.study.runs import Run
+from sph.study.runs import PlannedRun
 
 FILE = "plan.json"
 """In the folder of results: the runs that are planned there."""
@@ -39,7 +39,7 @@ class Catalogue:
             )
         check_known("config: experiments", plan.study.experiments, CONFIGURED)
         self.plan, self.base, self._folders, self._check = plan, base, folders, check
-        self._known: dict[str, tuple[tuple[tuple[Path, int], ...], dict[str, Run]]] = {}
+        self._known: dict[str, tuple[tuple[tuple[Path, int], ...], dict[str, PlannedRun]]] = {}
         self._designs: dict[str, Any] = {}
 
     def design(self, name: str) -> Any:
@@ -72,7 +72,7 @@ class Catalogue:
         found: SensitivityPlan = self.design("sensitivity")
         return found
 
-    def row(self, file: str) -> Run:
+    def row(self, file: str) -> PlannedRun:
         """The row of a file, relative to the working folder; ValueError where none is."""
         folder = next((folder for folder in ALONE if file.startswith(f"{folder}/runs/")), None)
         if folder is not None:
@@ -82,35 +82,35 @@ class Catalogue:
         return self.own[file] if file in self.own else _among(self.searched, file)
 
     @property
-    def own(self) -> dict[str, Run]:
+    def own(self) -> dict[str, PlannedRun]:
         """The runs, stages and searches of the study, by file."""
         return self._rows(self.plan.folder, (), lambda: (*self.plan.shared, *self.plan.second_runs))
 
     @property
-    def searched(self) -> dict[str, Run]:
+    def searched(self) -> dict[str, PlannedRun]:
         """What the searches for critical intensities need and have asked for so far, by file."""
         return self._rows(TRIGGER, [path for _, path in self.trigger.tables(self.base)], lambda: self.trigger.so_far(self.base))
 
     @property
-    def sampled(self) -> dict[str, Run]:
+    def sampled(self) -> dict[str, PlannedRun]:
         """The runs of the sensitivity analysis that are known so far, by file."""
         place = self.base / self.plan.folder / SENSITIVITY
         tables = [place / name for name in (FACTORS_FILE, BACK_FILE) if (place / name).is_file()]
         return self._rows(SENSITIVITY, tables, lambda: self.sensitivity.so_far(self.base))
 
     @property
-    def started(self) -> list[Run]:
+    def started(self) -> list[PlannedRun]:
         """Runs of the searches and of the analysis that have been started, without those that are the study's own."""
         place = self.base / self.plan.folder
         searched = self.searched.values() if (place / TRIGGER).is_dir() else ()
         sampled = self.sampled.values() if (place / SENSITIVITY).is_dir() else ()
         return [run for run in (*searched, *sampled) if run.target and run.file not in self.own]
 
-    def _rows(self, name: str, tables: Sequence[Path], made: Callable[[], Iterable[Run]]) -> dict[str, Run]:
+    def _rows(self, name: str, tables: Sequence[Path], made: Callable[[], Iterable[PlannedRun]]) -> dict[str, PlannedRun]:
         """Rows by file, made anew when a table from which they follow has changed."""
         now = tuple((table, table.stat().st_mtime_ns) for table in tables)
         if name not in self._known or self._known[name][0] != now:
-            rows: dict[str, Run] = {}
+            rows: dict[str, PlannedRun] = {}
             for run in made():
                 rows.setdefault(run.file, run)
             self._known[name] = now, rows
@@ -130,13 +130,13 @@ class Catalogue:
                 temporary.write_text(to_json(_record(rows)) + "\n", encoding="utf-8")
 
 
-def _among(rows: Mapping[str, Run], file: str) -> Run:
+def _among(rows: Mapping[str, PlannedRun], file: str) -> PlannedRun:
     if file not in rows:
         raise ValueError(f"{file}: the present configuration has no such run")
     return rows[file]
 
 
-def _record(rows: Iterable[Run]) -> dict[str, Any]:
+def _record(rows: Iterable[PlannedRun]) -> dict[str, Any]:
     """The rows for machines: scenes as they are read, and what every row lays over the one that it names by its number."""
     rows = list(rows)
     scenes = {id(run.base): run.base.keys for run in rows}

@@ -19,7 +19,7 @@ from sph.scene.configuration import found_file, merge, read_scene, read_yaml, sc
 from sph.scene.schema import Scene
 from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, title_of, value_of
-from sph.study.runs import YIELD, BaseScene, Kind, Run, SharedRuns
+from sph.study.runs import YIELD, BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
 from sph.study.tables import MAX_SLOPES, Layout
@@ -83,7 +83,7 @@ class Plan:
     def runs_at(self, points: Mapping[str, Point]) -> SharedRuns:
         """The same of other runs, by name."""
         each = self.study.yield_acceleration == "each"
-        return SharedRuns(points, Run(self._base, folder=self.folder), self.study.numbered, self._stands, each)
+        return SharedRuns(points, PlannedRun(self._base, folder=self.folder), self.study.numbered, self._stands, each)
 
     def _stands(self, point: Mapping[str, str]) -> bool:
         at = tuple(point.items())
@@ -96,7 +96,7 @@ class Plan:
         return self._standing[at]
 
     @property
-    def jobs(self) -> list[Run]:
+    def jobs(self) -> list[PlannedRun]:
         """Everything that is run for the study: stages, runs, and the searches for its yield accelerations."""
         searched = {search.file for search in self.searches.values()}
         return [run for run in self.shared if run.kind != Kind.SEARCH or run.file in searched] + self.second_runs
@@ -108,32 +108,32 @@ class Plan:
         return self.at(fidelity) if fidelity and fidelity != self.study.fidelity and not self._subfolder else None
 
     @property
-    def second_runs(self) -> list[Run]:
+    def second_runs(self) -> list[PlannedRun]:
         """Stages and runs at the second fidelity."""
         runs = [run for run in self.second.shared if run.kind != Kind.SEARCH] if self.second else []
         return [run._replace(group=f"{run.group} at {self.study.second_fidelity}") for run in runs]
 
     @property
-    def slope(self) -> Run:
+    def slope(self) -> PlannedRun:
         """The first gravity stage."""
         return self.shared.gravities[0]
 
     @functools.cached_property
-    def searches(self) -> dict[str, Run]:
+    def searches(self) -> dict[str, PlannedRun]:
         """The search for the yield acceleration of the slope of every run, by run; none where there are more than ``MAX_SLOPES``."""
         return yields(self.shared)
 
     @property
-    def page_runs(self) -> list[Run]:
+    def page_runs(self) -> list[PlannedRun]:
         """The runs that the page shows."""
         return [self.shared.runs[name] for name in self.study.page_runs]
 
     @property
-    def page_stages(self) -> list[Run]:
+    def page_stages(self) -> list[PlannedRun]:
         """The stages whose cost the page counts: all, where it shows all runs."""
         return self.shared.gravities + self.shared.pre_failures if len(self.study.runs) <= MAX_SHOWN else []
 
-    def figure_runs(self, figure: str) -> list[Run]:
+    def figure_runs(self, figure: str) -> list[PlannedRun]:
         """The runs from which a figure is drawn, by the name of its file; ValueError for one that the study does not have."""
         shown = self.study.figure_files
         if figure not in shown:
@@ -174,7 +174,7 @@ class Plan:
         """Names of the parts in which the runs are measured."""
         return [f"{number + 1:04d}" for number in range(-(-len(self.study.runs) // PART))]
 
-    def part(self, name: str) -> list[Run]:
+    def part(self, name: str) -> list[PlannedRun]:
         """The runs of a part."""
         first = (int(name) - 1) * PART
         return list(itertools.islice(self.shared.runs.values(), first, first + PART))
@@ -210,7 +210,7 @@ class Plan:
         return scene
 
 
-def yields(shared: SharedRuns) -> dict[str, Run]:
+def yields(shared: SharedRuns) -> dict[str, PlannedRun]:
     """The search for the yield acceleration of the slope of every run, by run; none of runs of more than ``MAX_SLOPES`` slopes, of which
     all draws of uncertain soil are one unless each is searched."""
     return {run: shared.search_of(run) for run in shared.runs} if len(shared.searches(YIELD)) <= MAX_SLOPES else {}

@@ -73,7 +73,7 @@ class BaseScene:
         return scene
 
 
-class Run(NamedTuple):
+class PlannedRun(NamedTuple):
     """A run as a job of the workflow makes it: a run, a stage that runs go on from, or a search that makes many of one scene."""
 
     base: BaseScene
@@ -145,20 +145,20 @@ class SharedRuns:
     def __init__(
         self,
         points: Mapping[str, Mapping[str, str]],
-        pattern: Run,
+        pattern: PlannedRun,
         numbered: bool,
         stands: Callable[[Mapping[str, str]], bool],
         each_draw: bool = False,
     ) -> None:
         self._pattern, self._numbered, self._stands = pattern, numbered, stands
         self._first: dict[tuple[str, ...], str] = {}
-        self.runs: dict[str, Run] = {}
+        self.runs: dict[str, PlannedRun] = {}
         """by name"""
-        self._stages: dict[Kind, dict[str, Run]] = {Kind.GRAVITY: {}, Kind.PRE_FAILURE: {}}
-        self._gravity_of: dict[str, Run] = {}
+        self._stages: dict[Kind, dict[str, PlannedRun]] = {Kind.GRAVITY: {}, Kind.PRE_FAILURE: {}}
+        self._gravity_of: dict[str, PlannedRun] = {}
         for name, point in points.items():
             self._add(name, point)
-        means: dict[tuple[tuple[str, str], ...], Run] = {}
+        means: dict[tuple[tuple[str, str], ...], PlannedRun] = {}
         self._searches = {
             (gravity.id, limit): _search(gravity, limit)
             if limit != YIELD or each_draw
@@ -173,7 +173,7 @@ class SharedRuns:
         self._gravity_of[name] = gravity
         self.runs[name] = self._pattern._replace(id=name, point=point, parent=pre_failure.file, group=f"runs of {pre_failure.id}")
 
-    def _stage(self, kind: Kind, run: str, point: Mapping[str, str], parent: str | None = None) -> Run:
+    def _stage(self, kind: Kind, run: str, point: Mapping[str, str], parent: str | None = None) -> PlannedRun:
         """The stage of a run; of one that is known already the last parent counts."""
         acting = self._acting(kind, point)
         label = self._first.setdefault((kind, *(f"{key} {value}" for key, value in acting.items())), run)
@@ -189,45 +189,45 @@ class SharedRuns:
         return acting if len(acting) == len(point) or self._stands(acting) else point
 
     @property
-    def gravities(self) -> list[Run]:
+    def gravities(self) -> list[PlannedRun]:
         """All gravity stages."""
         return list(self._stages[Kind.GRAVITY].values())
 
     @property
-    def pre_failures(self) -> list[Run]:
+    def pre_failures(self) -> list[PlannedRun]:
         """All shared pre-failure runs."""
         return list(self._stages[Kind.PRE_FAILURE].values())
 
-    def gravity_of(self, run: str) -> Run:
+    def gravity_of(self, run: str) -> PlannedRun:
         """The gravity stage of a run."""
         return self._gravity_of[run]
 
-    def search_of(self, run: str, limit: str = YIELD) -> Run:
+    def search_of(self, run: str, limit: str = YIELD) -> PlannedRun:
         """The search for a limit of the slope of a run."""
         return self._searches[self._gravity_of[run].id, limit]
 
-    def searches(self, limit: str) -> list[Run]:
+    def searches(self, limit: str) -> list[PlannedRun]:
         """The searches for a limit of all slopes."""
         return list({search.file: search for (_, sought), search in self._searches.items() if sought == limit}.values())
 
-    def __iter__(self) -> Iterator[Run]:
+    def __iter__(self) -> Iterator[PlannedRun]:
         """Stages, runs and searches."""
         searches = {search.file: search for search in self._searches.values()}
         yield from (*self.gravities, *self.pre_failures, *self.runs.values(), *searches.values())
 
 
-def _search(gravity: Run, limit: str) -> Run:
+def _search(gravity: PlannedRun, limit: str) -> PlannedRun:
     """The search for a limit of the slope of a gravity stage."""
     name = limit + gravity.id.removeprefix(Kind.GRAVITY)
     return gravity._replace(id=name, kind=Kind.SEARCH, by=limit, extrapolates=True, group="search")
 
 
-def _certain(gravity: Run) -> tuple[tuple[str, str], ...]:
+def _certain(gravity: PlannedRun) -> tuple[tuple[str, str], ...]:
     """The values of a gravity stage without those of the draw of uncertain soil; the means of its distributions are kept."""
     return tuple((name, value) for name, value in gravity.point.items() if not DRAW.match(scene_key(name)))
 
 
-def _search_of_mean(gravity: Run, limit: str, numbered: bool) -> Run:
+def _search_of_mean(gravity: PlannedRun, limit: str, numbered: bool) -> PlannedRun:
     """The same with the means of what is uncertain, where the draw differs from run to run: all draws share it."""
     own, known = _search(gravity, limit), dict(_certain(gravity))
     if len(known) == len(gravity.point):

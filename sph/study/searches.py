@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple, TypeVar
 
 from sph.study.planned import Planned, planned
-from sph.study.runs import Run
+from sph.study.runs import PlannedRun
 
 AnyKey = TypeVar("AnyKey")
 
@@ -18,7 +18,7 @@ class SlopeSearch(NamedTuple):
     scene: Planned
 
 
-def slope_searches(searches: Mapping[AnyKey, Run]) -> dict[AnyKey, SlopeSearch]:
+def slope_searches(searches: Mapping[AnyKey, PlannedRun]) -> dict[AnyKey, SlopeSearch]:
     """Searches of the catalogue as measuring needs them; the scene of each is planned once."""
     each = {run.file: run for run in searches.values()}
     known = {file: SlopeSearch(file, planned(run.scene)) for file, run in each.items()}

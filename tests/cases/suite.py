@@ -18,7 +18,7 @@ from sph.scene.schema import make_scene
 from sph.stability.extrapolation import extrapolate
 from sph.storage.trajectory import Variable
 from sph.study.planned import planned
-from sph.study.runs import BaseScene, Run
+from sph.study.runs import BaseScene, PlannedRun
 from sph.study.tables import number_column, read_csv, text_column, write_csv
 from sph.study.verdicts import HOLDS, MISSES
 
@@ -112,12 +112,12 @@ def case_rows(name: str, case: Case, levels: Mapping[str, Level]) -> list[dict[s
     return rows
 
 
-def runs_of(name: str) -> dict[tuple[str, str], Run]:
+def runs_of(name: str) -> dict[tuple[str, str], PlannedRun]:
     """The runs of a case whose files the workflow makes, by level and name; a case of functions alone has none."""
     case = CASES[name]
     scenes = {} if case.by == COMPUTATION else case.scenes()
     return {
-        (level, run): Run(BaseScene(scene), id=f"{name}/{run}/{file_name(level)}", folder=FOLDER, by=case.by, group=name)
+        (level, run): PlannedRun(BaseScene(scene), id=f"{name}/{run}/{file_name(level)}", folder=FOLDER, by=case.by, group=name)
         for (level, run), scene in scenes.items()
     }
 

@@ -33,7 +33,7 @@ from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import merge, read_yaml
 from sph.scene.schema import make_scene
 from sph.solver.particles import locate_probes, place_particles
-from sph.study.runs import Run
+from sph.study.runs import PlannedRun
 from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,7 +47,7 @@ def planned(folder: Path, changes: dict[str, Any] | None = None, check: bool = F
     return load_sensitivity("sensitivity.yaml", load_study(CONFIG | study, [ROOT]), [folder], check)
 
 
-def run_of(plan: SensitivityPlan, design: str, name: str, chosen: Sequence[str] = ()) -> Run:
+def run_of(plan: SensitivityPlan, design: str, name: str, chosen: Sequence[str] = ()) -> PlannedRun:
     return next(run for run in plan.rows(design, chosen) if run.id == f"{design}/{name}")
 
 

@@ -18,7 +18,7 @@ from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart
 from sph.stability.record import SEARCHES
 from sph.study.plan import Plan
-from sph.study.runs import SLOPE_LIMITS, Run
+from sph.study.runs import SLOPE_LIMITS, PlannedRun
 from sph.study.sampling import chosen_study
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -156,7 +156,7 @@ def test_a_grid_over_any_keys() -> None:
     assert list(chosen.study.figure_files) == [*RUN_FIGURES] == ["section", "motion", "particles", "mobilised", "profiles"]
 
 
-def ids(runs: list[Run]) -> list[str]:
+def ids(runs: list[PlannedRun]) -> list[str]:
     return [run.id for run in runs]
 
 

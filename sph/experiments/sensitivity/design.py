@@ -31,7 +31,7 @@ from sph.scene.units import Acceleration
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, scene_key, scene_keys
 from sph.study.plan import Plan
-from sph.study.runs import BaseScene, Run
+from sph.study.runs import BaseScene, PlannedRun
 from sph.study.tables import text_column
 
 FOLDER = "sensitivity"
@@ -318,9 +318,9 @@ class SensitivityPlan:
             return dict(chosen)
         return dict(itertools.islice(self._sobol(chosen), self.confirmed if design == CONFIRM else None))
 
-    def rows(self, design: str, chosen: Chosen = ()) -> list[Run]:
+    def rows(self, design: str, chosen: Chosen = ()) -> list[PlannedRun]:
         """The runs of a design, in their order; ``chosen`` as above."""
-        pattern = Run(self._bases[self.fidelities[design == CONFIRM]], folder=self.folder, target=FOLDER, group=f"{FOLDER} {design}")
+        pattern = PlannedRun(self._bases[self.fidelities[design == CONFIRM]], folder=self.folder, target=FOLDER, group=f"{FOLDER} {design}")
         points = self.design(design, chosen)
         return [pattern._replace(id=f"{design}/{run}", point=self._written(point)) for run, point in points.items()]
 
@@ -333,7 +333,7 @@ class SensitivityPlan:
         path = self.known_by(design)
         return () if not path else chosen_points(path, self.axes) if design == BACK else chosen_factors(path)
 
-    def so_far(self, base: Path) -> list[Run]:
+    def so_far(self, base: Path) -> list[PlannedRun]:
         """The runs that are known by what lies in the folder of results, below a working folder."""
         factors, points = (base / self.folder / name for name in (FACTORS_FILE, BACK_FILE))
         known: dict[str, Chosen] = dict.fromkeys(self._designs, ())

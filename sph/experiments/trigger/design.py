@@ -30,7 +30,7 @@ from sph.scene.units import acceleration
 from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, scene_keys, value_of
 from sph.study.plan import Plan, yields
 from sph.study.planned import Planned, planned
-from sph.study.runs import Kind, Run
+from sph.study.runs import Kind, PlannedRun
 from sph.study.schema import Point
 
 FOLDER = "trigger"
@@ -356,11 +356,11 @@ class TriggerPlan:
         """File of the points up to a round of a search, or to its last."""
         return self.file(f"rounds/{search}-{self.levels(search) if number is None else number}-points.csv")
 
-    def wanted(self, path_to_points: Path | str, fidelity: str | None = None) -> list[Run]:
+    def wanted(self, path_to_points: Path | str, fidelity: str | None = None) -> list[PlannedRun]:
         """The runs of a table of points, in its order, at the searching fidelity or another."""
         return self.runs_at(list(_wanted(path_to_points)), fidelity)
 
-    def runs_at(self, asked: Sequence[tuple[str, Point]], fidelity: str | None = None) -> list[Run]:
+    def runs_at(self, asked: Sequence[tuple[str, Point]], fidelity: str | None = None) -> list[PlannedRun]:
         """The runs of cases and points; KeyError for an unknown case."""
         folders = [self.folders[fidelity or self.fidelity, case] for case, _ in asked]
         names = [point_name(point) for _, point in asked]
@@ -376,7 +376,7 @@ class TriggerPlan:
         found = [(search, path) for search in SEARCHED.values() for path in sorted(rounds.glob(f"{search}-*-wanted.csv"))]
         return found + [("confirm", path) for path in rounds.glob("confirm-wanted.csv") if self.trigger.confirm]
 
-    def so_far(self, base: Path) -> list[Run]:
+    def so_far(self, base: Path) -> list[PlannedRun]:
         """What the searches have asked for so far, with stages and searches of slopes, and the searches that every one needs.
 
         Points of an earlier configuration are left out.
@@ -419,12 +419,12 @@ class TriggerPlan:
         return found
 
     @functools.cached_property
-    def searches(self) -> dict[tuple[str, ...], Run]:
+    def searches(self) -> dict[tuple[str, ...], PlannedRun]:
         """The searches for the yield accelerations of the slopes, by case and the values of the other dimensions.
 
         A case of more than ``MAX_SLOPES`` slopes has none.
         """
-        found: dict[tuple[str, ...], Run] = {}
+        found: dict[tuple[str, ...], PlannedRun] = {}
         for case, folder in self.searched.items():
             points = {at: point for at, point in self._strongest.items() if at[0] == case}
             searches = yields(self.plans[folder].runs_at({point_name(point): point for point in points.values()}))

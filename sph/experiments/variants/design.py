@@ -24,7 +24,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.scene.strict_json import to_json
 from sph.solver.time_step import limits
 from sph.study.plan import Plan
-from sph.study.runs import BaseScene, Run
+from sph.study.runs import BaseScene, PlannedRun
 
 NOT_SCHEME = ("name", "title", "scheme", "duration", "geometry", "soil", "layers", "water", "uncertain", "motion", "probes", "outputs")
 """Sections and keys of a scene that say what is simulated, not how."""
@@ -84,7 +84,7 @@ class VariantRuns:
         probe: str = PROBE,
     ) -> None:
         self.variants, self._origin, self._probe = variants, origin, probe
-        self.runs: dict[str, Run] = {}
+        self.runs: dict[str, PlannedRun] = {}
         self._stems: dict[str, str] = {}
         self._repeats: dict[str, int] = {}
         self._rows: list[Row] = []
@@ -141,7 +141,7 @@ class VariantRuns:
                 break
             how = scheme(built)
             stem = "/".join(file_name(part) for part in (name, f"{label} {shift}".strip(), case))
-            own.append((self._run(stem, built, Run(BaseScene(scene)), repeats if timed else 1),))
+            own.append((self._run(stem, built, PlannedRun(BaseScene(scene)), repeats if timed else 1),))
         if is_mean(settings):
             how = merge(how, {"numerics": {"lattice_shift": settings["numerics"]["lattice_shift"]}})
         reference = getattr(variants, "reference", None)
@@ -165,10 +165,10 @@ class VariantRuns:
     def _add_time_step(self, factor: str, case: str, scene: dict[str, Any]) -> None:
         built = make_scene(scene, f"{self._origin}: time_steps.schemes, {case!r}")
         stem = "/".join(file_name(part) for part in (TIME_STEP, factor, case))
-        own = self._run(stem, built, Run(BaseScene(scene), enforce_limit=False), 1)
+        own = self._run(stem, built, PlannedRun(BaseScene(scene), enforce_limit=False), 1)
         self._rows.append(Row(TIME_STEP, factor, case, "accuracy", {}, {}, True, False, False, "", 1, ((own,),)))
 
-    def _run(self, stem: str, built: Scene, run: Run, repeats: int) -> str:
+    def _run(self, stem: str, built: Scene, run: PlannedRun, repeats: int) -> str:
         """Plan the repeats of a run, unless its scene is run already; its name without their number."""
         stem = self._stems.setdefault(f"{run.enforce_limit} {built.model_dump_json(exclude={'name', 'title'})}", stem)
         self._repeats[stem] = max(self._repeats.get(stem, 1), repeats)
