@@ -42,7 +42,7 @@ def meet(rounds, team):  # type: ignore[no-untyped-def]
 
 def meeting_seconds() -> float:
     """Seconds in which two threads meet, of many meetings."""
-    team = make_team(2, 1, 1, 1)
+    team = make_team(2, 1, 1)
     together(meet, team, 1)
     start = time.perf_counter()
     together(meet, team, ROUNDS)

@@ -90,7 +90,7 @@ def renewals(run: Simulation) -> dict[str, float]:
     """Seconds of one renewal of the pairs and of the candidates."""
     return medians(
         {
-            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, 0, run.state.x.size, run.team[0]),
+            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, run.team[0]),
             "renew_candidates": lambda: renew_candidates(run.state, run.terms, run.pairs),
         },
         repeats=3,

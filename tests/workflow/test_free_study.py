@@ -121,7 +121,7 @@ def test_the_page_chooses_by_whatever_there_is(finished: Path) -> None:
     grid, cases = ((of(finished, name) / "report.html").read_text(encoding="utf-8") for name in ("grid", "cases"))
     assert 'name="soil.cohesion" value="150"' in grid and 'id="find"' not in grid
     assert '<option value="case-000002">case-000002: S_R 0.10, fluid tension limit 0 kPa</option>' in cases and 'id="find"' in cases
-    for page, pictures in ((grid, 7), (cases, 7)):
+    for page, pictures in ((grid, 8), (cases, 8)):
         assert page.count("data:image/png") == pictures and "claims" not in page.partition("<main>")[0]
 
 
@@ -164,7 +164,7 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     assert planned_jobs(finished, *config) == {"page": 1, "all": 1}, "which shows what was found"
     assert snakemake(finished, "--cores", "2", *config).returncode == 0
     page = (of(finished, "grid") / "report.html").read_text(encoding="utf-8")
-    assert "Critical intensities of the shaking" in page and page.count("data:image/png") == 8
+    assert "Critical intensities of the shaking" in page and page.count("data:image/png") == 9
 
 
 def test_a_larger_study_runs_what_is_new(finished: Path) -> None:

@@ -31,6 +31,7 @@ from sph.solver.physics.gradient_correction import power, store_stress, velocity
 from sph.solver.physics.initial_arrangement import deform
 from sph.solver.physics.interface import keep_water
 from sph.solver.physics.material import YieldSurface, material_of
+from sph.solver.physics.mohr_coulomb import MohrCoulomb
 from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
 from sph.solver.physics.seams import keep_normal_stress, slide, without_slip
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
     from sph.solver.compiled.threads import Team
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.material import Material
-    from sph.solver.physics.mohr_coulomb import MohrCoulomb
     from sph.solver.terms import State, Terms
 
 BETA_ZERO = 1e-16
