@@ -112,14 +112,14 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
     if known.empty:
         words = [f"{level} every run diverged: there is no result"]
     elif not fail:
-        words = [f"{level} no run fails"]
+        words = [f"{level} no run fails" + f", but soil that would move is braked: {why}" * bool(why)]
     else:
         if len(known) == 1:
             words = [f"{level} the slope {'collapses' if collapse else 'fails'}"]
         else:
             words = [f"{level} {fail} of {len(known)} runs fail" + f", {collapse} of them by collapse" * bool(collapse)]
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
-        if farthest := max(known["runout"].max(), 0.0):
+        if (farthest := known["runout"].max()) > 0.0:
             words.append(f"debris runs {'at least' if lower_bounds(known).any() else 'up to'} {metres(farthest)} m beyond the toe")
         if moving := int((known["still_moving"] > 0).sum()):
             words.append(f"it still moves at the end of {moving} runs" if len(known) > 1 else "it still moves at the end")

@@ -149,6 +149,9 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert lead(bare.assign(reached_side="", still_moving=1), []).endswith("m beyond the toe; it still moves at the end of 4 runs.")
     assert lead(runs, []).endswith(". road: reached in 2 of 4 runs; debris up to 2.10 m deep. house: not reached in 4 runs.")
     assert lead(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
+    held = lead(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
+    assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")
+    assert lead(bare.assign(runout=math.nan), []) == f"{fails}.", "a block has no run-out"
     assert lead(bare[4:5], []) == "At 4 m/s2 (0.408 g) the slope collapses; debris runs up to 14.0 m beyond the toe."
     assert lead(bare.drop(columns="amplitude")[:2], []) == "In this study no run fails."
     assert "every run diverged" in lead(bare.assign(diverged=1), [])
