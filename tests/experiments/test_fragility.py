@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import to_hex, to_rgb
+from scipy.stats import CensoredData, lognorm
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, BRAKED, NEVER, UNDECIDED
 from sph.experiments.trigger.design import Searched
@@ -55,6 +56,18 @@ def test_those_never_reached_and_those_reached_at_the_lowest_are_censored() -> N
     lower, upper = bracketed(capacities())
     never, lowest = lower >= 3.5, upper <= 2.0  # a third, and an eighth
     near(fitted(np.where(never, 3.5, np.where(lowest, 0.0, lower)), np.where(never, np.inf, np.where(lowest, 2.0, upper))), MOTIONS, 2.0)
+
+
+@pytest.mark.crosscheck
+def test_the_fit_is_that_of_scipy() -> None:
+    lower, upper = bracketed(capacities(4, 20), 0.25)
+    lower, upper = np.where(upper <= 2.0, 0.0, lower), np.where(lower >= 3.5, math.inf, upper)
+    closed = (lower > 0.0) & (upper < math.inf)
+    intervals = np.column_stack([lower, upper])[closed]
+    known = CensoredData(interval=intervals, left=upper[lower == 0.0], right=lower[upper == math.inf])
+    assert known.num_censored() == 20 and 0 < closed.sum() < 18
+    dispersion, _, median = lognorm.fit(known, floc=0.0)
+    assert tuple(fitted(lower, upper)) == pytest.approx((median, dispersion), rel=2e-4), "its simplex stops at 1e-4"
 
 
 def test_wide_brackets_carry_less_but_do_not_deceive() -> None:

@@ -3,6 +3,8 @@
 # Inputs:  config/trigger.yaml (config: experiments); runs of the catalogue, which follow from the tables of earlier rounds.
 # Outputs: trigger/ in the folder of the study at the fidelity of the search: tables, figures, and the points of every round in rounds/
 from sph.experiments.trigger import measure as searches
+from sph.experiments.trigger.design import SEARCHED
+from sph.experiments.trigger.figures import MAPPED
 from sph.study.searches import slope_searches
 
 
@@ -55,28 +57,16 @@ rule measure_points:
         "../scripts/make.py"
 
 
-rule trigger_points:
-    """Keep all points of the search."""
+rule searched_points:
+    """Keep all points of a search, of those for critical intensities or of the maps."""
     input:
-        points=lambda wildcards: CATALOGUE.trigger.points("trigger"),
+        points=lambda wildcards: CATALOGUE.trigger.points(SEARCHED[wildcards.table]),
     output:
-        "{folder}/trigger/points.csv",
+        "{folder}/trigger/{table}.csv",
     log:
-        "{folder}/trigger/logs/trigger_points.log",
-    params:
-        **made_by(searches.searched_points),
-    script:
-        "../scripts/make.py"
-
-
-rule maps_points:
-    """Keep all points of the maps."""
-    input:
-        points=lambda wildcards: CATALOGUE.trigger.points("maps"),
-    output:
-        "{folder}/trigger/maps.csv",
-    log:
-        "{folder}/trigger/logs/maps_points.log",
+        "{folder}/trigger/logs/{table}.log",
+    wildcard_constraints:
+        table="|".join(SEARCHED),
     params:
         **made_by(searches.searched_points),
     script:
@@ -318,80 +308,21 @@ rule map_figure_shares:
         "../scripts/make.py"
 
 
-rule map_figure_map_class:
-    """Draw the map of the class."""
+rule map_figure:
+    """Draw the map of the class or of another quantity."""
     input:
         points="{folder}/trigger/maps.csv",
     output:
-        shown("{folder}/trigger/figures/map-class.png", "Trigger", "figure map-class"),
-        "{folder}/trigger/figures/map-class.pdf",
+        shown("{folder}/trigger/figures/map-{name}.png", "Trigger", "figure map-{name}"),
+        "{folder}/trigger/figures/map-{name}.pdf",
     log:
-        "{folder}/trigger/logs/map_figure_map_class.log",
+        "{folder}/trigger/logs/map_figure_{name}.log",
+    wildcard_constraints:
+        name="|".join(["class", *MAPPED]),
     params:
         **made_by(
             searches.draw_map,
-            lambda wildcards: {"name": "map-class", **mapped(wildcards)},
-            draws=True,
-        ),
-    script:
-        "../scripts/make.py"
-
-
-rule map_figure_map_displacement:
-    """Draw the map of the displacement."""
-    input:
-        points="{folder}/trigger/maps.csv",
-    output:
-        shown(
-            "{folder}/trigger/figures/map-displacement.png",
-            "Trigger",
-            "figure map-displacement",
-        ),
-        "{folder}/trigger/figures/map-displacement.pdf",
-    log:
-        "{folder}/trigger/logs/map_figure_map_displacement.log",
-    params:
-        **made_by(
-            searches.draw_map,
-            lambda wildcards: {"name": "map-displacement", **mapped(wildcards)},
-            draws=True,
-        ),
-    script:
-        "../scripts/make.py"
-
-
-rule map_figure_map_runout:
-    """Draw the map of the run-out."""
-    input:
-        points="{folder}/trigger/maps.csv",
-    output:
-        shown("{folder}/trigger/figures/map-runout.png", "Trigger", "figure map-runout"),
-        "{folder}/trigger/figures/map-runout.pdf",
-    log:
-        "{folder}/trigger/logs/map_figure_map_runout.log",
-    params:
-        **made_by(
-            searches.draw_map,
-            lambda wildcards: {"name": "map-runout", **mapped(wildcards)},
-            draws=True,
-        ),
-    script:
-        "../scripts/make.py"
-
-
-rule map_figure_map_failed:
-    """Draw the map of the failed share."""
-    input:
-        points="{folder}/trigger/maps.csv",
-    output:
-        shown("{folder}/trigger/figures/map-failed.png", "Trigger", "figure map-failed"),
-        "{folder}/trigger/figures/map-failed.pdf",
-    log:
-        "{folder}/trigger/logs/map_figure_map_failed.log",
-    params:
-        **made_by(
-            searches.draw_map,
-            lambda wildcards: {"name": "map-failed", **mapped(wildcards)},
+            lambda wildcards: {"name": wildcards.name, **mapped(wildcards)},
             draws=True,
         ),
     script:
@@ -444,13 +375,7 @@ rule maps:
             "shares.csv",
             *expand(
                 "figures/{name}.{suffix}",
-                name=[
-                    "shares",
-                    "map-class",
-                    "map-displacement",
-                    "map-runout",
-                    "map-failed",
-                ],
+                name=["shares", "map-class", *(f"map-{name}" for name in MAPPED)],
                 suffix=["png", "pdf"],
             ),
         ),

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from sph.experiments.trigger.boundaries import who_reaches_what
-from sph.experiments.trigger.fragility import CONFIDENCE, SEED, TAILS, Lognormal, brackets, fitted, resampled
+from sph.experiments.trigger.fragility import CONFIDENCE, SEED, brackets, fit_brackets
 from sph.experiments.trigger.hazard import Hazard, annual_frequency
 from sph.experiments.trigger.points import CASE_COLUMN, names
 from sph.storage.trajectory import Variable
@@ -65,17 +65,14 @@ def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest:
     rows = []
     searched = hazard.between(lowest, highest)
     for (case, name), found in critical.groupby(["case", "collapse_class"], sort=False):
-        lower, upper = brackets(found)
-        fit, row = fitted(lower, upper), dict.fromkeys(ANNUAL, math.nan) | {"case": case, "collapse_class": name}
+        fit, row = fit_brackets(*brackets(found), seed), dict.fromkeys(ANNUAL, math.nan) | {"case": case, "collapse_class": name}
         row |= {"first": hazard.intensity[0], "last": hazard.intensity[-1], "beyond_last": hazard.frequency[-1]}
-        if not math.isnan(fit.median):
-            samples = resampled(lower, upper, seed=seed)
-            kept = samples[~np.isnan(samples[:, 0])]
-            own = annual_frequency(np.array([fit]), hazard)[0]
-            low, high = np.quantile(annual_frequency(kept, hazard), TAILS) if len(kept) else (math.nan, math.nan)
+        if not math.isnan(fit.best.median):
+            (own,), (within,) = (annual_frequency(np.array([fit.best]), curve) for curve in (hazard, searched))
+            low, high = fit.interval(annual_frequency(fit.samples, hazard))
             row |= {"frequency": own, "frequency_lower": low, "frequency_upper": high}
-            row |= {"share_searched": annual_frequency(np.array([fit]), searched)[0] / own if own > 0.0 else math.nan}
-            row |= {"probability_at_first": float(Lognormal(*fit).exceedance(hazard.intensity[:1])[0])}
+            row |= {"share_searched": within / own if own > 0.0 else math.nan}
+            row |= {"probability_at_first": float(fit.best.exceedance(hazard.intensity[:1])[0])}
         row |= dict(zip(("frequency_least", "frequency_most"), frequency_bounds(found, hazard), strict=True))
         rows.append(row | {"sentence": sentence(row, unit)})
     return pd.DataFrame(rows, columns=list(ANNUAL))

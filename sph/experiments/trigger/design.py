@@ -322,15 +322,13 @@ class TriggerPlan:
 
     def lattices(self, search: str) -> list[Lattice]:
         """What a search refines."""
-        chosen, lattice = self.trigger, functools.partial(Lattice, names=self.names, written=self._written)
-        intensity = {chosen.intensity.dimension: Span(**chosen.intensity.model_dump(exclude={"dimension"}))}
-        if search == "maps":
-            spans = {**self.maps.over, **intensity}
-            return [lattice(case=case, fixed={}, spans=spans) for case in self.maps.cases or chosen.cases]
-        values = [[label_among(self._written[name], value) for value in chosen.at[name]] for name in chosen.at]
+        chosen, over = self.trigger, self.maps.over if search == "maps" else {}
+        cases = (self.maps.cases if search == "maps" else None) or chosen.cases
+        spans = {**over, chosen.intensity.dimension: Span(**chosen.intensity.model_dump(exclude={"dimension"}))}
+        at = {name: [label_among(self._written[name], value) for value in chosen.at[name]] for name in chosen.at if name not in over}
         return [
-            lattice(case=case, fixed=dict(zip(chosen.at, at, strict=True)), spans=intensity)
-            for case, *at in itertools.product(chosen.cases, *values)
+            Lattice(case=case, names=self.names, fixed=dict(zip(at, values, strict=True)), spans=spans, written=self._written)
+            for case, *values in itertools.product(cases, *at.values())
         ]
 
     @functools.cached_property

@@ -8,14 +8,13 @@ p times the dispersion that one of the first power has for the same scatter; bet
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 
 from sph.experiments.trigger.design import INTENSITIES, Searched
-from sph.experiments.trigger.fragility import CONFIDENCE, RESAMPLES, SEED, TAILS, Conversion, brackets, decided, fitted, resampled
+from sph.experiments.trigger.fragility import CONFIDENCE, RESAMPLES, SEED, Conversion, brackets, decided, fit_brackets
 from sph.experiments.trigger.points import CASE_COLUMN, Key, label_columns, names
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.spectrum import DAMPING, pseudo_acceleration
@@ -79,7 +78,6 @@ def measures_table(
     own, grows = searched.intensity_name, INTENSITIES[searched.intensity_name]
     for (case, name), found in critical.groupby(["case", "collapse_class"], sort=False):
         known = decided(found)
-        lower, upper = brackets(found)
         measured = pd.DataFrame([motions[tuple(map(str, key))] for key in known[at].itertuples(index=False, name=None)])
         if not len(measured.columns) or not (measured.to_numpy() > 0.0).all():
             continue
@@ -89,14 +87,13 @@ def measures_table(
             fits[label] = Conversion(measured[label].to_numpy() / reference**power, power)
         of_class = []
         for label, conversion in fits.items():
-            fit = fitted(conversion.measured(lower), conversion.measured(upper))
-            dispersions = resampled(lower, upper, seed=seed, conversion=conversion)[:, 1]
-            kept = dispersions[~np.isnan(dispersions)]
-            ends = np.quantile(kept, TAILS) if kept.size else (math.nan, math.nan)
+            fit = fit_brackets(*brackets(found), seed, conversion)
+            ends = fit.interval(fit.samples[:, 1])
             is_searched = label == SAME.get(own, own)
             power = 1.0 / grows if is_searched else POWERS.get(label, 1.0)
             unit = searched.intensity.variable(listed=False).units if is_searched else UNITS.get(label, "m s-2")
-            of_class.append((case, name, 0, label, unit, int(is_searched), len(known), power, *fit, *ends, fit.dispersion / power))
+            median, beta = fit.best
+            of_class.append((case, name, 0, label, unit, int(is_searched), len(known), power, median, beta, *ends, beta / power))
         made = pd.DataFrame(of_class, columns=names(MEASURE_COLUMNS)).sort_values("dispersion_over_power", kind="stable")
         rows.append(made.assign(rank=np.arange(1, len(made) + 1)))
     return pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=names(MEASURE_COLUMNS))

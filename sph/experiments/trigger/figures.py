@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -283,10 +282,6 @@ def _point_handles(points: pd.DataFrame) -> list[Line2D]:
     return handles
 
 
-def _mapped(mapped: Mapped, points: pd.DataFrame, searched: Searched, note: str) -> Figure:
-    return figure_map(points, searched, mapped, note)
-
-
 @styled
 def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
     """Share of the values searched with which a class, or a worse one, is reached, against the intensity, a panel per class.
@@ -318,11 +313,3 @@ def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> F
     figure.legend(handles=handles, loc="outside upper center", ncols=2)
     write_note(figure, note)
     return figure
-
-
-MAPS: dict[str, tuple[str, Callable[[pd.DataFrame, Searched, str], Figure]]] = {
-    "shares": ("shares", figure_shares),
-    "map-class": ("points", figure_class_map),
-    **{f"map-{name}": ("points", functools.partial(_mapped, mapped)) for name, mapped in MAPPED.items()},
-}
-"""Figures of the maps by the names of their files: the table that each shows, and a function of it, the dimensions and the note."""

@@ -27,7 +27,7 @@ from sph.experiments.trigger.critical import (
 from sph.experiments.trigger.design import Lattice, Searched
 from sph.experiments.trigger.efficiency import measures_table, motion_measures
 from sph.experiments.trigger.exceedance import exceedance, widths
-from sph.experiments.trigger.figures import MAPS, figure_critical
+from sph.experiments.trigger.figures import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
 from sph.experiments.trigger.figures_fragility import figure_fragility
 from sph.experiments.trigger.figures_reach import figure_reach
 from sph.experiments.trigger.fragility import fragility
@@ -162,11 +162,12 @@ def draw_map(points: str, name: str, searched: Searched, note: str) -> Figure:
     """Map over a dimension of the search and the intensity, linear between the runs (dots); for the class, between its ranks. Crosses are
     runs that diverged and have no value.
     """
-    return MAPS[name][1](read_points(points), searched, note)
+    found = read_points(points)
+    return figure_map(found, searched, MAPPED[name], note) if name in MAPPED else figure_class_map(found, searched, note)
 
 
 def draw_shares(shares: str, searched: Searched, note: str) -> Figure:
     """Share of the values searched, on their scales, with which a class or a worse one is reached, against the intensity. The band lies
     between the lower and the upper bound that the runs leave. It is a share of parameter values, not a probability of a ground motion.
     """
-    return MAPS["shares"][1](read_shares(shares), searched, note)
+    return figure_shares(read_shares(shares), searched, note)
