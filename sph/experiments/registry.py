@@ -30,8 +30,13 @@ STUDY: type[Study] = next((each.study for each in EXPERIMENTS.values() if each.s
 
 
 def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),), check: bool = True) -> Plan:
-    """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
+    """Validate a configuration and, with ``check``, every scene in it and the files of the experiments on its scene that it names.
 
-    ``folders`` are searched in order for the scene file and a file of cases.
+    ``folders`` are searched in order for the scene file, a file of cases and those of experiments, of which the scenes of their runs are
+    built when the experiment is asked for.  ValueError names file, key and value.
     """
-    return load(config, folders, check, STUDY)
+    plan = load(config, folders, check, STUDY)
+    for name in plan.study.experiments if check else ():
+        if name in CONFIGURED and not EXPERIMENTS[name].alone:
+            EXPERIMENTS[name].load(plan.experiment_file(name), plan, folders, False)
+    return plan

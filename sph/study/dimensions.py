@@ -125,7 +125,7 @@ class Dimension(NamedTuple):
         return found._replace(dims=(CASE,) if listed else found.dims, dtype=kind)
 
 
-PRINTED = {"-": "", "1/s": "s⁻¹"}
+PRINTED = {"-": "", "1": "", "1/s": "s⁻¹"}
 """Units that are printed otherwise than with raised digits."""
 
 
@@ -185,11 +185,41 @@ def check_names(where: str, names: Iterable[str]) -> None:
     keys: dict[str, str] = {}
     for name in names:
         key = scene_key(name)
-        if not any(_matches(key, known) for known in scene_keys()):
-            raise ValueError(f"{where}.{name}: there is no such key in a scene{nearest(key, [*SHORT_NAMES, *scene_keys()])}")
+        check_key(f"{where}.{name}", key)
         if key in keys:
             raise ValueError(f"{where}: {keys[key]} and {name} set the same key")
         keys[key] = name
+
+
+def check_key(where: str, key: str) -> None:
+    """ValueError, which begins with ``where``, for a dotted key that no scene has, with the nearest one."""
+    if not any(_matches(key, known) for known in scene_keys()):
+        raise ValueError(f"{where}: there is no such key in a scene{nearest(key, [*SHORT_NAMES, *scene_keys()])}")
+
+
+def value_at(scene: Scene, key: str, where: str) -> tuple[Any, str]:
+    """What a scene has at a dotted key, of a layer too, and its unit; ValueError, which begins with ``where``, names what there is."""
+    check_key(f"{where}: {key}", key)
+    at: Any = scene
+    unit, path = "-", list[str]()
+    for part in key.split("."):
+        known = at if isinstance(at, Mapping) else type(at).model_fields if isinstance(at, Section) else {}
+        if part not in known:
+            there = f"it has {', '.join(known)}" if known else f"write {'.'.join(path)} in the scene, or in overrides"
+            raise ValueError(f"{where}: {key}: {'.'.join(path)} of the scene has no {part}; {there}")
+        extra: Any = getattr(known[part], "json_schema_extra", None) or {}
+        unit, at = extra.get("unit", "-"), at[part] if isinstance(at, Mapping) else getattr(at, part)
+        path.append(part)
+    return at, unit
+
+
+def number_at(scene: Scene, key: str, where: str) -> tuple[float, str]:
+    """The number that a scene has at a dotted key, and its unit; ValueError likewise where it is none."""
+    found, unit = value_at(scene, key, where)
+    if not isinstance(found, (int, float)):
+        there = "null" if found is None else repr(found) if isinstance(found, str) else "no number"
+        raise ValueError(f"{where}: {key}: is {there} in the scene, and must be a number there; write one in the scene, or in overrides")
+    return float(found), unit
 
 
 def _matches(key: str, known: str) -> bool:

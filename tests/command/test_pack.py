@@ -213,7 +213,7 @@ def test_results_are_packed_without_what_is_half_written(home: Path, tmp_path: P
     [
         ({"hazard.csv": None}, (), r"trigger.yaml: hazard: no file 'hazard.csv'"),
         ({"scenes/records/quake.csv": None}, (), "'records/quake.csv' cannot be read: No such file"),
-        ({"study.yaml": STUDY.replace("../trigger.yaml", "gone.yaml")}, (), r"study.yaml: experiments.trigger: no file 'gone.yaml'"),
+        ({"study.yaml": STUDY.replace("../trigger.yaml", "gone.yaml")}, (), r"experiments.trigger: no file 'gone.yaml'"),
         ({"study.yaml": STUDY + "fidelities: {own: {motion: {file: gone.csv}}}\n"}, (), "gone.csv"),
         ({}, ("--results",), "results/own: holds no results"),
         ({}, ("-o", "own.rar"), "must end in .zip"),

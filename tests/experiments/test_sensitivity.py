@@ -12,6 +12,7 @@ import pytest
 import yaml
 from SALib.analyze import morris as salib_morris
 from scipy.stats import qmc
+from small_scenes import SLOPE
 from synthetic import synthetic, translation
 
 from sph.experiments.registry import load_study
@@ -152,6 +153,121 @@ def test_a_range_is_refused_for_a_point_inside_it(tmp_path: Path) -> None:
 def test_a_probe_that_stays_where_it_is_does_not_go_with_a_slope_that_grows(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"factors\.height: .*probes\.A.*crest_edge"):
         planned(tmp_path, {"overrides": {"probes": {"A": [69.0, 34.0]}}})
+
+
+# ---------------------------------------------------------------- whatever a scene has
+
+LAYERED = merge(
+    SLOPE,
+    {
+        "layers": {"clay": {"region": {"kind": "depth", "bottom": 10.0}, "soil": {"cohesion": 20.0}, "S_R": 0.2}},
+        "water": {"pressure": "by_place", "level": 12.0},
+        "motion": {"kind": "record", "file": "a.csv", "start": 1.0},
+    },
+)
+RECORDS = {"levels": {"motion.file": ["a.csv", "b.csv", "c.csv"]}}
+FACTORS: dict[str, Any] = {
+    "c": {"keys": {"layers.clay.soil.cohesion": 1}, "bounds": [10.0, 30.0]},
+    "thickness": {"keys": {"layers.clay.region.bottom": 1}, "bounds": [5.0, 15.0]},
+    "water": {"keys": {"water.level": 1}, "bounds": [8.0, 16.0]},
+    "spacing": {"keys": {"numerics.spacing": 1}, "bounds": [5.0, 6.0]},
+    "record": RECORDS,
+}
+
+
+@pytest.fixture
+def layered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., SensitivityPlan]:
+    """Plans of a wet, layered slope under records, with factors of one's own."""
+    monkeypatch.chdir(tmp_path)
+    time = np.arange(0.0, 1.5, 0.01)
+    for number, name in enumerate("abc", 1):
+        table = np.column_stack([time, 2.0 * np.sin(2.0 * np.pi * number * time)])
+        np.savetxt(f"{name}.csv", table, delimiter=",", header="time (s),acceleration (m/s2)", comments="")
+    (tmp_path / "layered.yaml").write_text(yaml.safe_dump(LAYERED, sort_keys=False))
+
+    def plan(factors: dict[str, Any], check: bool = False, **more: Any) -> SensitivityPlan:
+        settings = {"factors": factors, "metrics": {"runout": {}}, "sobol": {"samples": 8}, "morris": {"trajectories": 2}} | more
+        (tmp_path / "sensitivity.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
+        study = {"study": "layered", "scene": "layered.yaml", "grid": {"S_R": ["0.1"]}, "experiments": {"sensitivity": "sensitivity.yaml"}}
+        return load_sensitivity("sensitivity.yaml", load_study(study), [tmp_path], check)
+
+    return plan
+
+
+def test_layers_water_spacing_and_records_are_factors(layered: Callable[..., SensitivityPlan]) -> None:
+    plan = layered(FACTORS, check=True)
+    axes = {axis.name: axis for axis in plan.axes}
+    assert [(axis.base, axis.unit, axis.label) for axis in plan.axes] == [
+        (20.0, "kPa", "cohesion of clay"),
+        (10.0, "m", "bottom of clay"),
+        (12.0, "m", "level of the water"),
+        (5.0, "m", "spacing"),
+        (1.0, "-", "file of the motion"),
+    ]
+    moved = {
+        name: make_scene(run_of(plan, "tornado", name).scene)
+        for name in ("c/high", "thickness/low", "water/low", "spacing/high", "record/3")
+    }
+    assert moved["c/high"].layers["clay"].soil.cohesion == 30.0 and moved["c/high"].soil.cohesion != 30.0
+    assert moved["thickness/low"].layers["clay"].region.bottom == 5.0 and moved["water/low"].water.level == 8.0  # type: ignore[union-attr]
+    assert moved["spacing/high"].numerics.spacing == 6.0 and moved["record/3"].motion.file == "c.csv"  # type: ignore[union-attr]
+    assert list(axes["record"].moved) == ["2", "3"] and "2: b.csv" in axes["record"].meaning
+    levels = np.array(list(plan.design("sobol", ["record"]).values()))[:, 4]
+    assert set(levels) == {1.0, 2.0, 3.0} and axes["record"].snapped(np.array([0.1, 0.5, 0.9])).tolist() == pytest.approx(
+        [1 / 6, 0.5, 5 / 6]
+    )
+
+
+@pytest.mark.parametrize(
+    ("factors", "words"),
+    [
+        ({"c": {"keys": {"layers.cley.soil.cohesion": 1}, "bounds": [1, 2]}}, ["factors.c: keys: layers.cley", "cley", "clay"]),
+        ({"c": {"keys": {"layers.clay.gamma": 1}, "bounds": [1, 2]}}, ["layers.clay.gamma", "null", "must be a number"]),
+        ({"c": {"keys": {"layers.clay.region.height": 1}, "bounds": [1, 2]}}, ["layers.clay.region.height", "no such key"]),
+        ({"c": {"keys": {"motion.frequency": 1}, "bounds": [1, 2]}}, ["motion of the scene has no frequency", "file"]),
+        ({"c": {"keys": {"water.level": 1}}}, ["factors.c", "keys with their bounds, or levels alone"]),
+        ({"c": RECORDS | {"scale": "log"}}, ["factors.c", "scale: log"]),
+        ({"c": {"levels": {"motion.file": ["b.csv", "c.csv"]}}}, ["factors.c: levels: b.csv, c.csv", "motion.file: a.csv"]),
+        ({"c": {"levels": {"motion.fil": ["b.csv", "c.csv"]}}}, ["levels.motion.fil", "motion.file"]),
+    ],
+)
+def test_a_factor_that_the_scene_lacks_is_refused_when_the_study_is_read(
+    layered: Callable[..., SensitivityPlan], factors: dict[str, Any], words: list[str]
+) -> None:
+    with pytest.raises(ValueError) as raised:
+        layered(factors)
+    assert all(word in str(raised.value) for word in ["sensitivity.yaml", *words])
+    assert "load_study" in [frame.name for frame in raised.traceback], "before the sensitivity is asked for"
+
+
+def test_values_between_levels_are_not_sought(layered: Callable[..., SensitivityPlan]) -> None:
+    observed = {"observed": {"runout": {"value": 3.0, "error": 1.0}}}
+    with pytest.raises(ValueError, match=r"back_analysis.over: 'record' has levels"):
+        layered(FACTORS, back_analysis=observed)
+    assert layered(FACTORS, back_analysis=observed | {"over": ["c"]}).sought == ("c",)
+
+
+def test_levels_have_effects_between_them_and_shares_of_the_variance() -> None:
+    """The run-out is 3 x of a number between 0 and 1, plus 0, 5 and 2 at three levels."""
+    axes, at = [unit_axes(1)[0], Axis("x1", "record", "-", 1.0, 3.0, False, 1.0, ("a.csv", "b.csv", "c.csv"))], np.array([0.0, 5.0, 2.0])
+
+    def made(points: np.ndarray) -> pd.DataFrame:
+        return sample_of(points, 3.0 * points[:, 0] + at[points[:, 1].astype(int) - 1])
+
+    row = morris_table(
+        made(np.array([[0.0, 1.0], [0.0, 3.0], [2 / 3, 3.0], [1.0, 2.0], [1 / 3, 2.0], [1 / 3, 3.0]])), axes, [METRIC], 100, 1
+    )
+    assert row["mu_star"].tolist() == pytest.approx([3.0, 0.5 * (2.0 + 3.0)]), "steps 1 to 3, and 2 to 3"
+    table = tornado_table(made(np.array([[0.5, 1.0], [0.0, 1.0], [1.0, 1.0], [0.5, 2.0], [0.5, 3.0]])), axes, [METRIC]).set_index("factor")
+    assert table.loc["x1", ["low", "high", "at_base", "at_low", "at_high", "swing"]].tolist() == [1.0, 2.0, 1.5, 1.5, 6.5, 5.0]
+    assert table.loc["x1", "factor_units"] == "level"
+    texts = [text.get_text() for text in figure_tornado(table.reset_index(), axes, "").axes[0].texts]
+    assert {"a", "b"} <= set(texts)
+    shares = space_filling(2, 64)
+    points = np.column_stack([shares[:, 0], [axes[1].value(share) for share in shares[:, 1]]])
+    indices, _ = sobol_tables(made(points), axes, [METRIC], SobolSettings(folds=2, draws=50, points=256), 1)
+    parts = np.array([9.0 / 12.0, np.var(at)])
+    np.testing.assert_allclose(indices["first"], parts / parts.sum(), atol=0.03)
 
 
 # ---------------------------------------------------------------- elementary effects

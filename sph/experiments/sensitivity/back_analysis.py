@@ -14,11 +14,10 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from sph.experiments.sensitivity.design import ENDS, Axis, Observation, metric_words
+from sph.experiments.sensitivity.design import ENDS, Axis, Observation, metric_words, short, with_unit
 from sph.experiments.sensitivity.posterior import CONFIDENCE, Posterior, Prediction, Target, alone, held, posterior, predictor
 from sph.experiments.sensitivity.surrogate import TRUSTED
 from sph.storage.trajectory import Variable
-from sph.study.dimensions import shown_unit
 from sph.study.tables import number_column, text_column
 
 REACHED = 2.0
@@ -198,21 +197,21 @@ def _sentence(problem: Problem, row: Mapping[str, Any], best: Mapping[str, float
     axis = next(axis for axis in problem.sought if axis.name == row["factor"])
     trust = "" if row["verdict"] == TRUSTED else f" Surrogate: {row['verdict']}."
     if row["determined"] == NOT_REACHED:
-        bounds = ", ".join(f"{each.label} {_span(each, each.low, each.high)}" for each in problem.sought)
+        bounds = ", ".join(f"{each.label} {each.span(each.low, each.high)}" for each in problem.sought)
         metrics = [
-            f"{metric_words(seen.quantity.metric)} {_with_unit(value, seen.quantity.metric_unit)}"
+            f"{metric_words(seen.quantity.metric)} {with_unit(value, seen.quantity.metric_unit)}"
             for seen, value in zip(problem.observations, nearest, strict=True)
         ]
         where = _words(problem.sought, best)
         return f"Nothing within {bounds} agrees with {problem.seen}: the nearest is {', '.join(metrics)} at {where}.{trust}"
-    span, interval = _span(axis, row["lower"], row["upper"]), f"{CONFIDENCE:.0%} interval"
+    span, interval = axis.span(row["lower"], row["upper"]), f"{CONFIDENCE:.0%} interval"
     cut = "" if row["cut"] == "none" else f", cut by the bounds: {row['cut']}"
     if row["determined"] == ALONE:
-        return f"{axis.label} {_short(row['median'])} ({span}, {interval}{cut}) agrees with {problem.seen}.{trust}"
+        return f"{axis.label} {short(row['median'])} ({span}, {interval}{cut}) agrees with {problem.seen}.{trust}"
     if row["determined"] == OPEN:
         return f"{axis.label} is not determined by {problem.seen}: {span} ({interval}{cut}).{trust}"
     others = _words([each for each in problem.sought if each is not axis], best)
-    known = _span(axis, row["lower_at_best"], row["upper_at_best"])
+    known = axis.span(row["lower_at_best"], row["upper_at_best"])
     what = f"{axis.label} is determined by {problem.seen} only together with the others"
     return f"{what}: {known} at {others}, else {span} ({interval}s{cut}).{trust}"
 
@@ -243,28 +242,16 @@ def confirmed_table(points: pd.DataFrame, sample: pd.DataFrame, problem: Problem
         row = {str(name): value for name, value in each.items()}
         value, seen = float(measured.loc[row["run"], row["metric"]]), observations[row["metric"]]
         verdict = CONFIRMED if row["predicted_lower"] <= value <= row["predicted_upper"] else NOT_CONFIRMED
-        given = "diverged" if math.isnan(value) else f"gives {metric_words(row['metric'])} {_with_unit(value, row['units'])}"
-        predicted = f"{_short(row['predicted_lower'])} to {_with_unit(row['predicted_upper'], row['units'])}"
+        given = "diverged" if math.isnan(value) else f"gives {metric_words(row['metric'])} {with_unit(value, row['units'])}"
+        predicted = f"{short(row['predicted_lower'])} to {with_unit(row['predicted_upper'], row['units'])}"
         words = f"The run at {_words(problem.sought, row)} {given}; predicted {predicted}, observed {_observed(seen)}."
         rows.append(row | {"measured": value, "verdict": verdict, "sentence": words})
     return pd.DataFrame(rows, columns=[column.name for column in confirmed_columns(problem.axes)])
 
 
 def _words(axes: Sequence[Axis], values: Mapping[str, Any]) -> str:
-    return ", ".join(f"{axis.label} {_with_unit(values[axis.name], axis.unit)}" for axis in axes)
+    return ", ".join(f"{axis.label} {with_unit(values[axis.name], axis.unit)}" for axis in axes)
 
 
 def _observed(seen: Observation) -> str:
-    return f"{_short(seen.value)} ± {_with_unit(seen.error, seen.quantity.metric_unit)}"
-
-
-def _span(axis: Axis, low: float, high: float) -> str:
-    return f"{_short(low)} to {_with_unit(high, axis.unit)}"
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{_short(value)} {shown_unit(unit)}".rstrip()
-
-
-def _short(value: float) -> str:
-    return f"{value:.3g}"
+    return f"{short(seen.value)} ± {with_unit(seen.error, seen.quantity.metric_unit)}"

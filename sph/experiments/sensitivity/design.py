@@ -9,6 +9,7 @@ which a back-analysis is confirmed by runs follow from its result (``back_analys
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,7 +19,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from sph.experiments.base import Experiment, Label, Overrides, checked
 from sph.measures.fields import check_probe
@@ -26,10 +27,24 @@ from sph.measures.metrics import METRIC_BY_NAME
 from sph.scene.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene.extras import of_extra
 from sph.scene.names import check_known
+from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json
 from sph.scene.units import Acceleration
 from sph.storage.trajectory import Variable
-from sph.study.dimensions import is_number, scene_key, scene_keys
+from sph.study.dimensions import (
+    Values,
+    as_written,
+    check_names,
+    in_si,
+    is_number,
+    number_at,
+    readable,
+    scene_key,
+    scene_keys,
+    shown_unit,
+    value_at,
+    value_of,
+)
 from sph.study.plan import Plan
 from sph.study.runs import BaseScene, PlannedRun
 from sph.study.tables import text_column
@@ -58,18 +73,25 @@ SceneKey = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-
 
 
 class Factor(Section):
-    """A number of the scene, or several in proportion, and its range."""
+    """A number of the scene, or several in proportion, and its range; or values of keys, one a level."""
 
     keys: dict[SceneKey, Annotated[float, Field(gt=0)]] = key(
-        "scene keys, dotted, each with the multiplier of the factor's value, in the proportion of the scene's own values; "
-        "unit and base value are those of the first",
-        min_length=1,
+        "scene keys, dotted (layers.clay.soil.cohesion), each with the multiplier of the factor's value, in the proportion of the scene's "
+        "own values; unit and base value are those of the first",
+        default={},
     )
-    bounds: tuple[Acceleration, Acceleration] = key(
-        "smallest and largest value, in the unit of the first key, or accelerations with theirs (0.2g); the scene's own value lies between"
+    bounds: tuple[Acceleration, Acceleration] | None = key(
+        "smallest and largest value, in the unit of the first key, or accelerations with theirs (0.2g); the scene's own value lies between",
+        default=None,
     )
     scale: Literal["linear", "log"] = key("scale on which the range is filled evenly", default="linear")
-    label: Label | None = key("name in figures; null: that of the factor", default=None)
+    levels: Annotated[dict[SceneKey, Annotated[Values, Field(min_length=2, max_length=20)]], BeforeValidator(in_si)] | None = key(
+        "instead of keys and bounds: the values of scene keys, one a level, as motion.file: [a.csv, b.csv]; those of several keys go "
+        "together; the scene's own values are among them",
+        default=None,
+        min_length=1,
+    )
+    label: Label | None = key("name in figures; null: that of the first key", default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -84,10 +106,23 @@ class Factor(Section):
 
     @model_validator(mode="after")
     def _range(self) -> Factor:
-        low, high = self.bounds
+        if bool(self.levels) == bool(self.keys) or bool(self.keys) != bool(self.bounds):
+            raise ValueError("keys, bounds, levels: give keys with their bounds, or levels alone")
+        low, high = self.bounds or (1.0, 2.0)
         if not low < high or self.scale == "log" and low <= 0:
             raise ValueError(f"bounds: [{low}, {high}] must increase" + (" and be positive on a log scale" if self.scale == "log" else ""))
+        if self.levels:
+            check_names("levels", self.levels)
+            if len({len(values) for values in self.levels.values()}) > 1:
+                raise ValueError(f"levels: {', '.join(self.levels)} must have as many values each")
+            if self.scale == "log":
+                raise ValueError("scale: log is of a range, and levels have none; leave it out")
         return self
+
+    @property
+    def sets(self) -> tuple[str, ...]:
+        """The scene keys that it sets."""
+        return tuple(self.levels or self.keys)
 
 
 class Analysed(Section):
@@ -176,7 +211,7 @@ class Sensitivity(Section):
         for name in self.factors:
             if name in taken:
                 raise ValueError(f"factors: {name!r} is a column of the sample already, choose another name")
-        paths = [path for factor in self.factors.values() for path in factor.keys]
+        paths = [path for factor in self.factors.values() for path in factor.sets]
         if len(set(paths)) < len(paths):
             raise ValueError(f"factors: two of them set the key {next(path for path in paths if paths.count(path) > 1)}")
         if self.confirm and self.confirm.points > self.sobol.samples:
@@ -184,6 +219,11 @@ class Sensitivity(Section):
         if self.back_analysis:
             check_known("back_analysis.observed", self.back_analysis.observed, self.metrics)
             check_known("back_analysis.over", self.back_analysis.over, self.sobol.factors or self.factors)
+            for name in self.back_analysis.over or self.sobol.factors or self.factors:
+                if self.factors[name].levels:
+                    raise ValueError(
+                        f"back_analysis.over: {name!r} has levels, between which there are no values to find; name those of the others"
+                    )
             for name, observed in self.back_analysis.observed.items():
                 least = self.metrics[name].log_offset
                 if least is not None and observed.value <= -least:
@@ -201,18 +241,45 @@ class Axis(NamedTuple):
     high: float
     log: bool
     base: float  # value in the scene as it is
+    levels: tuple[str, ...] = ()
+    """names of the levels; a value is the number of one then, from 1"""
+
+    @property
+    def moved(self) -> dict[str, float]:
+        """The values that the tornado moves it to, by name: the ends of the range, or all levels but the scene's own."""
+        if self.levels:
+            return {str(number): float(number) for number in range(1, len(self.levels) + 1) if number != self.base}
+        return dict(zip(ENDS, (self.low, self.high), strict=True))
+
+    @property
+    def meaning(self) -> str:
+        """Its values in tables."""
+        numbered = "; ".join(f"{number}: {level}" for number, level in enumerate(self.levels, 1))
+        return f"factor: {self.label}" + (f", the number of its level: {numbered}" if self.levels else "")
 
     def value(self, share: float) -> float:
-        """Value at a share, 0 to 1, of the range."""
+        """Value at a share, 0 to 1, of the range; levels have equal parts of it."""
+        if self.levels:
+            return float(min(int(share * len(self.levels) + 1e-9), len(self.levels) - 1) + 1)
         if self.log:
             return float(self.low * (self.high / self.low) ** share)
         return self.low + share * (self.high - self.low)
 
     def share(self, value: np.ndarray) -> np.ndarray:
-        """Share of the range below values (n,)."""
+        """Share of the range below values (n,); of a level the middle of its part."""
+        if self.levels:
+            return (value - 0.5) / len(self.levels)
         if self.log:
             return np.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
+
+    def span(self, low: float, high: float) -> str:
+        """Two of its values with their unit."""
+        return f"{short(low)} to {with_unit(high, self.unit)}"
+
+    def snapped(self, shares: np.ndarray) -> np.ndarray:
+        """Shares (n,) of the range, those of levels in the middle of their parts."""
+        return self.share(np.array([self.value(share) for share in shares])) if self.levels else shares
 
 
 class Quantity(NamedTuple):
@@ -270,6 +337,16 @@ def metric_words(metric: str) -> str:
     return WORDS.get(metric, metric.replace("_", " "))
 
 
+def short(value: float) -> str:
+    """A value in three digits."""
+    return f"{value:.3g}"
+
+
+def with_unit(value: float, unit: str) -> str:
+    """A value in three digits with its unit."""
+    return f"{short(value)} {shown_unit(unit)}".rstrip()
+
+
 Point = tuple[float, ...]
 Chosen = Sequence[str] | Mapping[str, Point]
 """What a design varies beside those that vary all: the names of the factors, or of ``BACK`` the points themselves."""
@@ -288,7 +365,11 @@ class SensitivityPlan:
         self.quantities = [Quantity(name, analysed.log_offset) for name, analysed in settings.metrics.items()]
         self._bases = {name: BaseScene(merge(plan.at(name).scene(), settings.overrides)) for name in self.fidelities}
         self.axes = self._axes(plan.study.metrics.probe)
-        self._designs = {"morris": dict(self._morris()), "tornado": dict(self._tornado())}
+
+    @functools.cached_property
+    def _designs(self) -> dict[str, dict[str, Point]]:
+        """Those that vary all factors."""
+        return {"morris": dict(self._morris()), "tornado": dict(self._tornado())}
 
     @property
     def confirmed(self) -> int:
@@ -352,7 +433,9 @@ class SensitivityPlan:
         for design in (*self._designs, "sobol"):
             for run, point in self.design(design, [axis.name for axis in self.axes]).items():
                 checked(self._scene(point, self.fidelities[0]), f"{self.origin}: at {design}/{run}")
-        for corner in itertools.product(*((axis.low, axis.high) for axis in self.axes)):
+        for corner in itertools.product(
+            *((axis.base, *axis.moved.values()) if axis.levels else (axis.low, axis.high) for axis in self.axes)
+        ):
             at = ", ".join(f"{axis.name} = {value:g}" for axis, value in zip(self.axes, corner, strict=True))
             for fidelity in self._bases:
                 checked(self._scene(corner, fidelity), f"{self.origin}: at {at}, fidelity {fidelity}")
@@ -362,8 +445,9 @@ class SensitivityPlan:
 
     def _written(self, point: Point) -> dict[str, str]:
         """Keys of the scene that a point sets."""
-        factors = zip(self.settings.factors.values(), point, strict=True)
-        return {name: repr(ratio * value) for factor, value in factors for name, ratio in factor.keys.items()}
+        factors = list(zip(self.settings.factors.values(), point, strict=True))
+        levels = {name: of[int(value) - 1] for factor, value in factors for name, of in (factor.levels or {}).items()}
+        return {name: repr(ratio * value) for factor, value in factors for name, ratio in factor.keys.items()} | levels
 
     def _axes(self, probe: str) -> list[Axis]:
         scene = self._bases[self.fidelities[0]].built({}, self.origin)
@@ -372,18 +456,22 @@ class SensitivityPlan:
         axes = []
         for name, factor in self.settings.factors.items():
             where = f"{self.origin}: factors.{name}"
-            if not isinstance(scene.probes[probe], str) and any(path.startswith("geometry.") for path in factor.keys):
+            if not isinstance(scene.probes[probe], str) and any(path.startswith("geometry.") for path in factor.sets):
                 raise ValueError(
                     f"{where}: changes the geometry, which probes.{probe}: {scene.probes[probe]} does not follow; use crest_edge"
                 )
-            values, units = zip(*(number_of(scene, path, where) for path in factor.keys), strict=True)
+            label = factor.label or readable(factor.sets[0])
+            if factor.levels:
+                axes.append(level_axis(name, label, scene, factor.levels, where))
+                continue
+            values, units = zip(*(number_at(scene, path, f"{where}: keys") for path in factor.keys), strict=True)
             bases = np.divide(values, list(factor.keys.values()))
             if not np.allclose(bases, bases[0]):
                 raise ValueError(
                     f"{where}: keys: the scene's own values, {', '.join(f'{v:g}' for v in values)}, are not in this proportion"
                 )
-            unit, base = units[0], float(bases[0])
-            axis = Axis(name, factor.label or name, unit, *factor.bounds, factor.scale == "log", base)
+            unit, base, (low, high) = units[0], float(bases[0]), factor.bounds or (math.nan, math.nan)
+            axis = Axis(name, label, unit, low, high, factor.scale == "log", base)
             if not axis.low <= axis.base <= axis.high:
                 raise ValueError(f"{where}: bounds: [{axis.low:g}, {axis.high:g}] do not hold the scene's own value, {axis.base:g} {unit}")
             axes.append(axis)
@@ -407,11 +495,10 @@ class SensitivityPlan:
         base = tuple(axis.base for axis in self.axes)
         yield BASE, base
         for place, axis in enumerate(self.axes):
-            for end, value in zip(ENDS, (axis.low, axis.high), strict=True):
+            for end, value in axis.moved.items():
                 yield f"{axis.name}/{end}", (*base[:place], value, *base[place + 1 :])
 
     def _sobol(self, chosen: Sequence[str]) -> Iterable[tuple[str, Point]]:
-
         axes = [axis for axis in self.axes if axis.name in chosen]
         count = self.settings.sobol.samples
         sequence = scipy.stats.qmc.Sobol(len(axes), scramble=True, rng=self.settings.seed).random_base2(math.ceil(math.log2(count)))
@@ -432,20 +519,20 @@ def chosen_points(path: Path | str | Sequence[str], axes: Sequence[Axis]) -> dic
     return {str(run): tuple(map(float, values)) for run, values in zip(table.index, table.to_numpy(), strict=True)}
 
 
-def number_of(scene: Section, path: str, where: str) -> tuple[float, str]:
-    """Value and unit of a dotted key of a scene; ValueError beginning with ``where`` if it holds no number."""
-    at: Any = scene
-    for part in path.split("."):
-        owner, at = at, getattr(at, part, None) if isinstance(at, Section) and part in type(at).model_fields else None
-    if not isinstance(at, (int, float)):
-        raise ValueError(f"{where}: {path} is not a number in the scene")
-    extra: Any = type(owner).model_fields[path.split(".")[-1]].json_schema_extra
-    return float(at), extra["unit"]
+def level_axis(name: str, label: str, scene: Scene, levels: Mapping[str, Sequence[str]], where: str) -> Axis:
+    """A factor of levels; ValueError, which begins with ``where``, where no level has the scene's own values."""
+    own = {path: value_at(scene, path, f"{where}: levels")[0] for path in levels}
+    words = [", ".join(values) for values in zip(*levels.values(), strict=True)]
+    rows = [tuple(map(value_of, values)) for values in zip(*levels.values(), strict=True)]
+    if tuple(own.values()) not in rows:
+        values = ", ".join(f"{path}: {as_written(value)}" for path, value in own.items())
+        raise ValueError(f"{where}: levels: {', '.join(words)} do not hold the scene's own value, {values}; add it, or set it in overrides")
+    return Axis(name, label, "-", 1.0, float(len(words)), False, rows.index(tuple(own.values())) + 1.0, tuple(words))
 
 
 def load_sensitivity(path: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> SensitivityPlan:
     """Validate the configuration and, with ``check``, the scenes of all runs; ValueError names file, key and value."""
-    settings = validated(Sensitivity, read_yaml(found_file(folders, path, "sensitivity")), path)
+    settings = validated(Sensitivity, read_yaml(found_file(folders, path, "experiments.sensitivity")), path)
     found = SensitivityPlan(settings, study, path)
     if check:
         found.check()

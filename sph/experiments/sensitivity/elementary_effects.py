@@ -1,8 +1,9 @@
 """Screening of factors by elementary effects (Morris 1991; mu* after Campolongo, Cariboni and Saltelli 2007).
 
 An elementary effect is the change of the quantity between two neighbouring runs of a trajectory, which differ in one factor, over the
-change of that factor as a share of its range.  mu* is the mean of their absolute values, sigma their standard deviation: small where
-the factor acts evenly and by itself, large where it acts unevenly or together with others.
+change of that factor as a share of its range; levels have no range, and the change from one to another is the effect.  mu* is the mean of
+the absolute values, sigma their standard deviation: small where the factor acts evenly and by itself, large where it acts unevenly or
+together with others.
 
 ``SALib.analyze.morris`` gives the same mu, mu* and sigma, but no interval of sigma, and after one diverged run nothing of any factor
 (SALib 1.6), where here the two effects are left out to which it belongs.
@@ -42,15 +43,18 @@ MORRIS: tuple[Variable, ...] = (
 """The columns."""
 
 
-def elementary_effects(shares: np.ndarray, values: np.ndarray) -> np.ndarray:
+def elementary_effects(shares: np.ndarray, values: np.ndarray, leveled: Sequence[bool] = ()) -> np.ndarray:
     """Effects (r, k) of trajectories of shares of the ranges (r, k + 1, k) and values (r, k + 1); NaN where a value is NaN.
 
+    Of ``leveled`` factors (k,), whose levels have no distance, the whole change from one level to another.
     Raises ValueError where neighbouring points differ in other than one factor.
     """
     change = np.diff(shares, axis=1)
     moved = np.abs(change) > 1e-9
     if not (moved.sum(axis=2) == 1).all() or not (moved.sum(axis=1) == 1).all():
         raise ValueError("shares: a trajectory must move every factor once, one at a step")
+    if any(leveled):
+        change = np.where(leveled, np.sign(change), change)
     step = moved.argmax(axis=1)  # (r, k), at which each factor moves
     return np.take_along_axis(np.diff(values, axis=1), step, 1) / np.take_along_axis(change, step[:, None], 1)[:, 0]
 
@@ -61,7 +65,7 @@ def morris_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequenc
     rows = []
     for quantity in quantities:
         values = quantity.of(sample[quantity.metric].to_numpy()).reshape(shares.shape[:2])
-        effects = elementary_effects(shares, values)
+        effects = elementary_effects(shares, values, [bool(axis.levels) for axis in axes])
         found = [_statistics(effects[:, place], resamples, seed) for place in range(len(axes))]
         largest = np.nanmax([statistics["mu_star"] for statistics in found], initial=0.0)
         for axis, statistics in zip(axes, found, strict=True):

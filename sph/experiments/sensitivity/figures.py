@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from pathlib import PurePath
 from typing import Any, Literal
 
 import numpy as np
@@ -11,9 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from sph.experiments.sensitivity.design import ENDS, Axis, metric_words
+from sph.experiments.sensitivity.design import ENDS, Axis, metric_words, with_unit
 from sph.experiments.sensitivity.surrogate import KINDS, TRUSTED
 from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, styled, write_note
+from sph.study.dimensions import is_number, shown_unit
 
 MARKERS = "osD^v<>phXP*"
 """Factors differ by these as well as by colour."""
@@ -32,7 +34,7 @@ def _panels(table: pd.DataFrame, height: float) -> tuple[Figure, dict[str, Axes]
 
 
 def _unit(unit: str) -> str:
-    return f" ({_bare(unit).strip()})" if _bare(unit) else ""
+    return f" ({shown_unit(unit)})" if shown_unit(unit) else ""
 
 
 def _intervals(rows: pd.DataFrame, name: str) -> np.ndarray:
@@ -76,6 +78,7 @@ def figure_morris(table: pd.DataFrame, factors: Sequence[Axis], chosen: Collecti
 def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> Figure:
     """The metrics at both ends of every factor, all others as in the scene; sorted by the first metric's swing, a panel per metric.
 
+    Of a factor with levels those with the smallest and the largest metric, with their names.
     ``table`` with the columns ``TORNADO``.  A run that diverged is a cross on the base line.  Raises ValueError for an empty one.
     """
     figure, axes = _panels(table, 1.3 + 0.26 * len(factors))
@@ -89,6 +92,10 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
         for shift, (end, colour) in zip((0.17, -0.17), colours.items(), strict=True):
             reach = rows[f"at_{end}"].to_numpy() - base
             ax.barh(np.arange(len(order)) + shift, np.nan_to_num(reach), left=base, height=0.34, color=colour)
+            for place, name in enumerate(order):
+                if by_name[name].levels and not np.isnan(reach[place]):
+                    text = _level(by_name[name], rows[end][name])
+                    ax.annotate(text, (base + reach[place], place + shift), (2, 0), textcoords="offset points", va="center", fontsize=5.5)
             lost = np.flatnonzero(np.isnan(reach))
             ax.plot(np.full(lost.size, base), lost + shift, linestyle="", marker="x", color=UNTRUSTED_COLOUR)
         ax.axvline(base, color="black", linewidth=0.8)
@@ -98,10 +105,7 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
         ax.margins(x=0.06, y=0.02)
     leftmost = next(iter(axes.values()))
     leftmost.set_yticklabels(
-        [
-            f"{by_name[name].label}\n{_short(by_name[name].low)} to {_short(by_name[name].high)}{_bare(by_name[name].unit)}"
-            for name in order
-        ],
+        [f"{factor.label}\n{_range(factor)}" for factor in (by_name[name] for name in order)],
         fontsize=7,
     )
     label_panels(axes.values(), [metric_words(metric) for metric in axes])
@@ -112,12 +116,16 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
     return figure
 
 
-def _short(value: float) -> str:
-    return f"{value:.3g}".replace("e+0", "e").replace("e-0", "e-")
+def _range(factor: Axis) -> str:
+    """The ends of a factor's range, or the number of its levels."""
+    return f"{len(factor.levels)} levels" if factor.levels else factor.span(factor.low, factor.high)
 
 
-def _bare(unit: str) -> str:
-    return {"-": "", "1": "", "degree": "°", "m/s2": " m/s²", "m2": " m²"}.get(unit, f" {unit}")
+def _level(factor: Axis, number: float) -> str:
+    """A level as it is read: of files their names alone."""
+    return ", ".join(
+        PurePath(part).stem if "." in part and not is_number(part) else part for part in factor.levels[int(number) - 1].split(", ")
+    )
 
 
 @styled
@@ -179,7 +187,7 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
         logarithmic = facts["quantity"] != metric
         scale = f", {facts['quantity'].replace(metric, 'u')}" if logarithmic else _unit(facts["units"])
         ax.set(xlabel=f"computed{scale}", ylabel=f"predicted{scale}")
-        text = f"Q² = {facts['q2']:.2f}, RMSE {_short(facts['rmse'])}{_bare(facts['units'])}"
+        text = f"Q² = {facts['q2']:.2f}, RMSE {with_unit(facts['rmse'], facts['units'])}"
         _state(ax, text, facts["verdict"], "bottom")
     label_panels(axes.values(), [metric_words(metric) for metric in axes])
     write_note(figure, note)

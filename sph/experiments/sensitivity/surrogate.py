@@ -1,8 +1,9 @@
 """Sobol' indices through a Gaussian process fitted to the runs, cross-validated.
 
-The surrogate has a Matern 5/2 kernel with a length scale a factor and white noise; factors are shares of their ranges, quantities are
-standardised.  The noise takes up what varies below the distance of the runs, so that the indices are those of the smooth part;
-``noise_share`` is what they leave out.  First-order indices by Saltelli et al. (2010), total ones by Jansen (1999).
+The surrogate has a Matern 5/2 kernel with a length scale a factor and white noise; factors are shares of their ranges, levels side by side
+as they are written, quantities are standardised.  The noise takes up what varies below the distance of the runs, so that the indices are
+those of the smooth part; ``noise_share`` is what they leave out.  First-order indices by Saltelli et al. (2010), total ones by Jansen
+(1999).
 
 The intervals hold the surrogate's uncertainty and the estimator's (Le Gratiet, Cannamela and Iooss 2014): functions are drawn from the
 posterior, and the points of the estimator are resampled for each.  They are drawn from the surrogates of the cross-validation in turn,
@@ -171,7 +172,7 @@ def sobol_tables(
             with threadpool_limits(1):  # two threads on matrices this small, on two cores in use: 12 times as long
                 fold, processes = cross_validate(shares, values, settings.folds, seed)
                 predicted, deviation = predict_unseen(shares, fold, processes)
-                rows = [row | found for row, found in zip(rows, _rows(processes, values, predicted, settings, seed), strict=True)]
+                rows = [row | found for row, found in zip(rows, _rows(processes, values, predicted, axes, settings, seed), strict=True)]
             parts = {"run": sample["run"][known], "fold": fold, "computed": values, "predicted": predicted, "predicted_sd": deviation}
             validation.append(pd.DataFrame(words | parts)[validation[0].columns])
         indices += rows
@@ -179,12 +180,17 @@ def sobol_tables(
 
 
 def _rows(
-    processes: Sequence[Any], values: np.ndarray, predicted: np.ndarray, settings: SobolSettings, seed: int
+    processes: Sequence[Any], values: np.ndarray, predicted: np.ndarray, axes: Sequence[Axis], settings: SobolSettings, seed: int
 ) -> Iterator[dict[str, Any]]:
     """Indices, their intervals and the facts of the fit, a mapping per factor."""
     rng, each = np.random.default_rng(seed), -(-settings.draws // len(processes))
     drawn = [posterior_functions(process, each, rng) for process in processes]
-    parts = sobol_indices(lambda x: np.hstack([function(x) for function in drawn]), processes[0].n_features_in_, settings.points, seed)
+
+    def functions(shares: np.ndarray) -> np.ndarray:
+        at = np.column_stack([axis.snapped(column) for axis, column in zip(axes, shares.T, strict=True)])
+        return np.hstack([function(at) for function in drawn])
+
+    parts = sobol_indices(functions, len(axes), settings.points, seed)
     found = dict(zip(("", "_low", "_high"), parts, strict=True))
     q2 = predictivity(values, predicted)
     facts = {

@@ -32,13 +32,16 @@ TORNADO: tuple[Variable, ...] = (
     text_column("metric", "metric, as in study.csv"),
     text_column("units", "its unit"),
     text_column("factor", "factor that is moved, all others at their base value"),
-    text_column("factor_units", "its unit"),
-    *(number_column(name, "as factor_units", f"{text} of the factor") for name, text in zip(ENDS, ("low end", "high end"), strict=True)),
+    text_column("factor_units", "its unit; level: numbers of levels, from 1, in the order of the configuration"),
+    *(
+        number_column(name, "as factor_units", f"{text} of the factor; of levels the one at which the metric is {most}")
+        for name, text, most in zip(ENDS, ("low end", "high end"), ("smallest", "largest"), strict=True)
+    ),
     number_column("base_value", "as factor_units", "the factor's value in the scene as it is"),
     number_column("at_base", "as units", "metric of the scene as it is; NaN if that diverged"),
     *(number_column(f"at_{name}", "as units", f"metric at the {name} end; NaN for a diverged run") for name in ENDS),
-    number_column("swing", "as units", "range of the three values; NaN if one diverged"),
-    Variable("diverged", ROW, "i4", "1", "diverged runs among the three"),
+    number_column("swing", "as units", "range of these values, of levels that of all; NaN if one diverged"),
+    Variable("diverged", ROW, "i4", "1", "diverged runs among these"),
 )
 """The columns of the effects one at a time."""
 
@@ -47,7 +50,7 @@ def sample_columns(axes: Sequence[Axis], quantities: Sequence[Quantity]) -> tupl
     """All columns of a sample: of every run, its factors and its metrics."""
     return (
         *SAMPLE,
-        *(number_column(axis.name, axis.unit, f"factor: {axis.label}") for axis in axes),
+        *(number_column(axis.name, axis.unit, axis.meaning) for axis in axes),
         *(METRIC_BY_NAME[quantity.metric] for quantity in quantities),
     )
 
@@ -77,28 +80,21 @@ def diverged_runs(sample: pd.DataFrame) -> int:
 
 
 def tornado_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequence[Quantity]) -> pd.DataFrame:
-    """Metrics at both ends of every factor, from the runs of the tornado in their order: the base, then two a factor."""
-    rows = []
+    """Metrics at both ends of every factor, from the runs of the tornado in their order: the base, then those of each factor."""
+    rows, lost = [], (sample["status"] == Status.DIVERGED).to_numpy()
     for quantity in quantities:
-        values = sample[quantity.metric].to_numpy()
-        lost = (sample["status"] == Status.DIVERGED).to_numpy()
-        for place, axis in enumerate(axes):
-            own = [0, 2 * place + 1, 2 * place + 2]
-            at = values[own]
-            rows.append(
-                (
-                    quantity.metric,
-                    quantity.metric_unit,
-                    axis.name,
-                    axis.unit,
-                    axis.low,
-                    axis.high,
-                    axis.base,
-                    *at,
-                    np.ptp(at),
-                    lost[own].sum(),
-                )
-            )
+        values, first = sample[quantity.metric].to_numpy(), 1
+        for axis in axes:
+            own = [0, *range(first, first + len(axis.moved))]
+            first += len(axis.moved)
+            at, ends = values[own], (axis.low, axis.high)
+            moved = at[1:]
+            if axis.levels:
+                known = sorted((value, level) for value, level in zip(at, (axis.base, *axis.moved.values()), strict=True) if value == value)
+                (least, low), (most, high) = (known[0], known[-1]) if known else ((math.nan, math.nan),) * 2
+                moved, ends = np.array([least, most]), (low, high)
+            about = (quantity.metric, quantity.metric_unit, axis.name, "level" if axis.levels else axis.unit)
+            rows.append((*about, *ends, axis.base, values[0], *moved, np.ptp(at), lost[own].sum()))
     return pd.DataFrame(rows, columns=[column.name for column in TORNADO])
 
 

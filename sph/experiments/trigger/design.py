@@ -469,7 +469,7 @@ def names_in(columns: Iterable[str]) -> list[str]:
 
 def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> TriggerPlan:
     """Validate the configuration and, with ``check``, scenes at the ends of its lattices; ValueError names file, key and value."""
-    return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path, folders, check)
+    return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "experiments.trigger")), path), study, path, folders, check)
 
 
 EXPERIMENT = Experiment("trigger", load_trigger, Trigger, alone=False)

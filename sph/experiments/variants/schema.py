@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 from sph.experiments.base import Cases, Label, Name, Overrides, check_file_names
 from sph.scene.configuration import Section, dotted, key, merge
 from sph.scene.names import check_known
+from sph.study.dimensions import check_key
 
 FIDELITY = "fidelity"
 """Parameter of a cost-accuracy study whose variants are the study's fidelities."""
@@ -47,6 +48,8 @@ class Parameter(Extent):
     def _known(self) -> Parameter:
         if bool(self.variants) == bool(self.values) or bool(self.values) == (self.scene_key is None):
             raise ValueError("variants: give variants with their scene keys, or a scene_key and its values")
+        if self.scene_key is not None:
+            check_key(f"scene_key: {self.scene_key}", self.scene_key)
         check_known("exceptions", self.exceptions, self.settings)
         check_file_names("variants" if self.variants else "values", self.settings)
         return self
