@@ -85,7 +85,7 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, _part(state)) for state in states]
     times = [start + part.seconds / known.value for _, part in found]
-    checked = start + preflight_seconds(_looked_at(plan), preflight_searches(elsewhere=bool(plan.searches))) / known.value
+    checked = start + preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches))) / known.value
     check_left = 0.0 if (base / plan.folder / PREFLIGHT_FILE).exists() else checked
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
     slowest: dict[Kind, float] = {}

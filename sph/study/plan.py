@@ -55,8 +55,8 @@ class Plan:
 
     def over(self, grid: Mapping[str, Sequence[str]]) -> Plan:
         """The same scenes as a grid over other dimensions; ValueError where its runs would have no names by their values."""
-        kept = self.study.model_dump(include={"study", "scene", "fidelity", "fidelities", "metrics", "experiments", "yield_acceleration"})
-        study = Study(**kept, grid={name: tuple(values) for name, values in grid.items()})
+        kept = {"study", "scene", "fidelity", "fidelities", "metrics", "experiments", "searches", "yield_acceleration"}
+        study = Study(**self.study.model_dump(include=kept), grid={name: tuple(values) for name, values in grid.items()})
         if study.numbered:
             raise ValueError(
                 f"{self.origin}: {', '.join(grid)}: with these dimensions the names of runs become too long or contain a folder"
@@ -120,8 +120,14 @@ class Plan:
 
     @functools.cached_property
     def searches(self) -> dict[str, PlannedRun]:
-        """The search for the yield acceleration of the slope of every run, by run; none where there are more than ``MAX_SLOPES``."""
-        return yields(self.shared)
+        """The search for the yield acceleration of the slope of every run, by run."""
+        return self.searches_of(self.shared)
+
+    def searches_of(self, shared: SharedRuns) -> dict[str, PlannedRun]:
+        """The same of other runs; none where the study's ``searches`` are not ``full``, nor of runs of more than ``MAX_SLOPES`` slopes, of
+        which all draws of uncertain soil are one unless each is searched."""
+        few = self.study.searches == "full" and len(shared.searches(YIELD)) <= MAX_SLOPES
+        return {run: shared.search_of(run) for run in shared.runs} if few else {}
 
     @property
     def page_runs(self) -> list[PlannedRun]:
@@ -208,12 +214,6 @@ class Plan:
                 "allowed in a study: 'solid' (a fluid scene runs by 'sph run')"
             )
         return scene
-
-
-def yields(shared: SharedRuns) -> dict[str, PlannedRun]:
-    """The search for the yield acceleration of the slope of every run, by run; none of runs of more than ``MAX_SLOPES`` slopes, of which
-    all draws of uncertain soil are one unless each is searched."""
-    return {run: shared.search_of(run) for run in shared.runs} if len(shared.searches(YIELD)) <= MAX_SLOPES else {}
 
 
 def load_study(

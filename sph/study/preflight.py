@@ -130,13 +130,19 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
     return found
 
 
-def preflight_searches(elsewhere: bool) -> tuple[str, ...]:
-    """Limits that the preflight of a study searches: not the yield acceleration where it is searched elsewhere, for the sliding block."""
-    return tuple(code for code in QUESTIONS if not (elsewhere and code == "yield-acceleration"))
+def preflight_searches(asked: str, elsewhere: bool) -> tuple[str, ...] | None:
+    """Limits that the preflight of a study searches, by its key ``searches``; None: its slopes are not tested either.
+
+    Not the yield acceleration where it is searched elsewhere, for the sliding block.
+    """
+    quick = elsewhere or asked == "quick"
+    return None if asked == "none" else tuple(code for code in QUESTIONS if not (quick and code == "yield-acceleration"))
 
 
-def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] = tuple(QUESTIONS)) -> float:
-    """Computing time on the reference machine of ``study_stability``, s; where all slopes stand."""
+def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] | None = tuple(QUESTIONS)) -> float:
+    """Computing time on the reference machine of ``study_stability``, s, where all slopes stand; 0 without it."""
+    if searches is None:
+        return 0.0
     runs, statics, quick, _ = _slopes(scenes)
     spent, slopes = 0.0, dict[str, float]()
     for (peak_key, _), names in runs.items():

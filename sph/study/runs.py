@@ -16,8 +16,9 @@ from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from typing import Any, Literal, NamedTuple
 
-from sph.scene.configuration import dotted, merge
+from sph.scene.configuration import dotted, flat, merge
 from sph.scene.schema import Scene, make_scene
+from sph.scene.strict_json import to_json
 from sph.scene.uncertain import at_mean
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.solver.run import Until
@@ -109,6 +110,12 @@ class PlannedRun(NamedTuple):
     def built(self) -> Scene:
         """Its scene; ValueError names its file where that is refused."""
         return self.base.built(self.point, self.file)
+
+    @property
+    def slope(self) -> str:
+        """The keys of its scene that act before the shaking: a limit of two slopes in which these agree is one."""
+        acting = {name: value for name, value in flat(self.scene).items() if not is_among(name, IDLE[Kind.GRAVITY])}
+        return to_json([acting, list(self.scene.get("layers") or ())], sort_keys=True)
 
     @property
     def until(self) -> Until:

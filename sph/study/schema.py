@@ -89,6 +89,11 @@ class Study(Section):
         default=None,
     )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
+    searches: Literal["full", "quick", "none"] = key(
+        "what is found of the unshaken slopes beside the runs; none: nothing; quick: static tests, the factor of safety at coarse spacings "
+        "and limit equilibrium; full: also the yield acceleration of every slope with particles, and by it the sliding block",
+        default="full",
+    )
     yield_acceleration: Literal["mean", "each"] = key(
         "for uncertain soil: mean, one search at the means of the distributions, shared by all draws; each, a search for each draw",
         default="mean",
@@ -133,6 +138,12 @@ class Study(Section):
                     raise ValueError(
                         f"cases: case {number} sets {', '.join(case)}, the first {', '.join(self.cases[0])}; all must set the same keys"
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _searched(self) -> Study:
+        if self.yield_acceleration == "each" and self.searches != "full":
+            raise ValueError(f"yield_acceleration: each asks for searches that searches: {self.searches} leaves out; write searches: full")
         return self
 
     @model_validator(mode="after")

@@ -65,8 +65,8 @@ BASELINE: tuple[Variable, ...] = (
         "m s-2",
         "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s, by a pseudo-static search, "
         "extrapolated to spacing 0 from that of the run and twice that; 0 "
-        "where it fails without any; for uncertain soil that of the mean soil, unless the study sets yield_acceleration: each; NaN where "
-        f"the study has more than {MAX_SLOPES} slopes, or where the search found none (its file says why)",
+        "where it fails without any; for uncertain soil that of the mean soil, unless the study sets yield_acceleration: each; NaN "
+        f"where its searches are not full, where it has more than {MAX_SLOPES} slopes, or where the search found none (its file says why)",
     ),
     Variable(
         "newmark_displacement",

@@ -155,6 +155,21 @@ def test_any_dimensions_are_searched(tmp_path: Path) -> None:
     assert units["layers.clay.soil.cohesion"] == "kPa" and plan.dimensions.intensity.name == "amplitude"
 
 
+def test_no_slope_is_searched_twice(tmp_path: Path) -> None:
+    """One with the study's own keys before the shaking is the study's, others are shared by the cases that have them."""
+    records = {"as it is": {}, "weak": {"coupling": {"S_R": 0.1}}, "late": {"motion": {"start": 5.0}}}
+    walls = {name: merge(keys, {"walls": {"sides": "free_slip"}}) for name, keys in records.items()}
+    cases = records | {f"{name}, smooth": keys for name, keys in walls.items()}
+    search = {**OWN, "cases": cases, "at": {}}
+    branches = {"grid": {"amplitude": ["3.0"], "layers.clay.S_R": ["0.25", "0.60"]}, "second_fidelity": None}
+    plan = own_search(tmp_path, branches, search)
+    assert {plan.searches[case,].file for case in records} == {"results/gentle_layered/own/stages/yield_acceleration.nc"}
+    assert {plan.searches[f"{case}, smooth",].file for case in records} == {
+        f"{plan.searched['as it is, smooth']}/stages/yield_acceleration.nc"
+    }
+    assert own_search(tmp_path, branches | {"searches": "quick"}, search).searches == {}
+
+
 def test_a_search_over_any_dimensions_ends_in_tables_and_figures(tmp_path: Path) -> None:
     maps = {"maps": {"over": {"layers.clay.soil.cohesion": {"lowest": 5.0, "highest": 20.0, "cells": 2}}}}
     plan = own_search(tmp_path, {}, {**OWN, "at": {"layers.clay.soil.cohesion": ["5", "20"]}, **maps})

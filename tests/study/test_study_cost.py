@@ -94,10 +94,13 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     standing = standing_scene(slope)
     tests = (1 + 2) * cost(static_scene(standing, DEFAULT_RULE)).seconds + cost(settled(standing)).seconds
     a_search = QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine
-    assert preflight_searches(elsewhere=True) == ("factor-of-safety",) and len(preflight_searches(elsewhere=False)) == 2
-    seconds = preflight_seconds(scenes, preflight_searches(elsewhere=True))
+    quick = preflight_searches("full", elsewhere=True)
+    assert quick == preflight_searches("quick", elsewhere=False) == ("factor-of-safety",)
+    assert len(preflight_searches("full", elsewhere=False) or ()) == 2 and preflight_searches("none", elsewhere=False) is None
+    seconds = preflight_seconds(scenes, quick)
     assert seconds == pytest.approx(tests + a_search), "one slope, two values of S_R, a search"
     assert preflight_seconds(scenes) == pytest.approx(seconds + a_search + QUICK_SENSITIVITY * coarse), "and the yield acceleration"
+    assert preflight_seconds(scenes, None) == 0.0, "nothing is tested"
     counted = study_cost(plan, catalogue.base, cores=1, speed=1.0)
     monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes, searches: 0.0)
     assert counted.left - study_cost(plan, catalogue.base, cores=1, speed=1.0).left == pytest.approx(seconds)

@@ -189,6 +189,16 @@ def test_a_limit_is_searched_of_the_slope_that_its_name_ends_with() -> None:
     assert {run.by for run in chosen.jobs} == {"simulation", "yield_acceleration"}, "the factor of safety only where it is asked for"
 
 
+def test_searches_are_switched_by_one_key() -> None:
+    for searches in ("quick", "none"):
+        chosen = free(grid={"amplitude": [2, 6]}, searches=searches)
+        assert chosen.searches == {} and {run.by for run in chosen.jobs} == {"simulation"}
+        with pytest.raises(ValueError, match=f"yield_acceleration: each .*searches: {searches}.*searches: full"):
+            free(grid={"amplitude": [2, 6]}, searches=searches, yield_acceleration="each")
+    with pytest.raises(ValueError, match="searches: .*'full', 'quick' or 'none'.*'fast'"):
+        free(grid={"amplitude": [2, 6]}, searches="fast")
+
+
 UNCERTAIN = {
     "uncertain": {"seed": 1, "variables": {"c": {"of": "soil.cohesion", "kind": "lognormal", "mean": 120.0, "cov": 0.2}}},
     "soil": {"cohesion": 120.0},

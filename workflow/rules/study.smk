@@ -30,7 +30,9 @@ rule preflight:
                     for name in PLAN.study.shown_runs(MAX_SCENES)
                 },
                 "size": len(PLAN.study.runs),
-                "searches": preflight_searches(bool(PLAN.searches)),
+                "searches": preflight_searches(
+                    PLAN.study.searches, bool(PLAN.searches)
+                ),
             }
         ),
         sources=SEARCHING + ANALYSIS,

@@ -88,8 +88,8 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
         number_column(
             "yield_acceleration",
             "m s-2",
-            "pseudo-static estimate: constant acceleration at which the slope fails; NaN where the case has more than "
-            f"{MAX_SLOPES} slopes, or where the search found none",
+            "pseudo-static estimate: constant acceleration at which the slope fails; NaN where the study's searches are "
+            f"not full, where the case has more than {MAX_SLOPES} slopes, or where the search found none",
         ),
         number_column(
             "newmark_intensity",

@@ -28,7 +28,7 @@ from sph.scene.names import check_known
 from sph.scene.scheme import has_key
 from sph.scene.units import acceleration
 from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, scene_keys, value_of
-from sph.study.plan import Plan, yields
+from sph.study.plan import Plan
 from sph.study.planned import Planned, planned
 from sph.study.runs import Kind, PlannedRun
 from sph.study.schema import Point
@@ -420,13 +420,18 @@ class TriggerPlan:
     def searches(self) -> dict[tuple[str, ...], PlannedRun]:
         """The searches for the yield accelerations of the slopes, by case and the values of the other dimensions.
 
-        A case of more than ``MAX_SLOPES`` slopes has none.
+        A case of more than ``MAX_SLOPES`` slopes has none.  A slope that the study, or a case before, searches is not searched again.
         """
         found: dict[tuple[str, ...], PlannedRun] = {}
+        shares = self.fidelity == self._study.study.fidelity
+        known = {search.slope: search for search in self._study.searches.values()} if shares else {}
         for case, folder in self.searched.items():
             points = {at: point for at, point in self._strongest.items() if at[0] == case}
-            searches = yields(self.plans[folder].runs_at({point_name(point): point for point in points.values()}))
-            found |= {at: searches[point_name(point)] for at, point in points.items() if searches}
+            plan = self.plans[folder]
+            searches = plan.searches_of(plan.runs_at({point_name(point): point for point in points.values()}))
+            for at, point in points.items() if searches else ():
+                own = searches[point_name(point)]
+                found[at] = known.setdefault(own.slope, own)
         return found
 
     @property

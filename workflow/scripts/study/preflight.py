@@ -10,8 +10,9 @@ from sph.study.planned import Planned
 from sph.study.preflight import Row, study_findings, study_stability, write_preflight
 
 
-def preflight(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, searches: Sequence[str]) -> None:
-    """One row per finding of the planned scenes, by run; ``size`` runs has the study, of whose slopes the limits ``searches`` are searched.
+def preflight(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, searches: Sequence[str] | None) -> None:
+    """One row per finding of the planned scenes, by run; ``size`` runs has the study, of whose slopes the limits ``searches`` are searched,
+    or which are not tested at all (None).
 
     Errors and warnings are said at once.
     """
@@ -22,7 +23,7 @@ def preflight(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], siz
     for row in rows:
         print(f"{row.worst_run}: {line(row.finding)}", file=log)
     tell(rows)
-    stability = study_stability(scenes, lambda line: print(line, file=log, flush=True), searches)
+    stability = [] if searches is None else study_stability(scenes, lambda line: print(line, file=log, flush=True), searches)
     tell(stability)
     write_preflight(path_to_csv, rows + stability)
 
