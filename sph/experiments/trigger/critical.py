@@ -12,7 +12,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
@@ -100,27 +100,8 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
     )
 
 
-class Bracket(NamedTuple):
-    """What the runs that differ in the intensity alone say about one class; see ``bracket_columns``."""
-
-    outcome: str
-    critical_intensity: float
-    resolution_error: float
-    lower: float
-    upper: float
-    diverged_inside: int
-    changes: int
-    last_not_reached: float
-    lower_still_moving: float
-    lower_failed_fraction: float
-    runs: int
-    diverged: int
-    braked: int
-    wall_time: float
-
-
-def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> Bracket:
-    """The bracket of a class from the points that differ in one dimension, the intensity, alone."""
+def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> pd.Series:
+    """What points that differ in one dimension, the intensity, alone say about one class, by the names of ``bracket_columns``."""
     line = points.assign(value=points[intensity].astype(float)).sort_values("value")
     line["reached"] = [shown(run, wanted) for run in line.to_dict("records")]
     decided = line[line["reached"].notna()]
@@ -133,22 +114,12 @@ def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> 
     unknown = BRAKED if (braked & ~line["value"].gt(upper)).any() else UNDECIDED if decided.empty else AT_LOWEST
     outcome = unknown if math.isnan(lower) else NEVER if math.isnan(upper) else BRACKETED
     inside = line["value"].gt(lower) & line["value"].lt(upper)
-    return Bracket(
-        outcome,
-        critical_intensity=0.5 * (lower + upper),
-        resolution_error=0.5 * (upper - lower),
-        lower=lower,
-        upper=upper,
-        diverged_inside=int((inside & diverged).sum()),
-        changes=sum(one != other for one, other in itertools.pairwise(decided["reached"])),
-        last_not_reached=float(standing["value"].max()),
-        lower_still_moving=moving,
-        lower_failed_fraction=failed,
-        runs=len(line),
-        diverged=int(diverged.sum()),
-        braked=int(braked.sum()),
-        wall_time=float(line["wall_time"].sum()),
-    )
+    changes = sum(one != other for one, other in itertools.pairwise(decided["reached"]))
+    values = (
+        outcome, 0.5 * (lower + upper), 0.5 * (upper - lower), lower, upper, int((inside & diverged).sum()), changes,
+        float(standing["value"].max()), moving, failed, len(line), int(diverged.sum()), int(braked.sum()), float(line["wall_time"].sum()),
+    )  # fmt: skip
+    return pd.Series(dict(zip(names(bracket_columns("1")), values, strict=True)), dtype=object)
 
 
 def coarser_cases(scenes: Mapping[str, Scene]) -> dict[str, tuple[str, float]]:
@@ -221,7 +192,7 @@ def critical_table(
             **dict(zip(at, (case, *values), strict=True)),
             "collapse_class": name,
             "intensity": searched.intensity_name,
-            **found._asdict(),
+            **found,
             **at_zero(case, (*values, name)),
             **estimates[case, *values][name],
         }
