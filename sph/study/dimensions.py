@@ -139,6 +139,7 @@ WORDS = {
     "youngs_modulus": "Young's modulus",
     "poisson_ratio": "Poisson's ratio",
     "stochastic": "synthetic motion",
+    "motion.file": "record",
     "softening.slip_at_peak": "slip at the peak",
     "softening.slip_at_residual": "slip at the residual strength",
 }

@@ -202,7 +202,7 @@ def test_layers_water_spacing_and_records_are_factors(layered: Callable[..., Sen
         (10.0, "m", "bottom of clay"),
         (12.0, "m", "level of the water"),
         (5.0, "m", "spacing"),
-        (1.0, "-", "file of the motion"),
+        (1.0, "-", "record"),
     ]
     moved = {
         name: make_scene(run_of(plan, "tornado", name).scene)

@@ -339,7 +339,7 @@ def metric_words(metric: str) -> str:
 
 def short(value: float) -> str:
     """A value in three digits."""
-    return f"{value:.3g}"
+    return f"{value:.3g}".replace("e+0", "e").replace("e-0", "e-")
 
 
 def with_unit(value: float, unit: str) -> str:

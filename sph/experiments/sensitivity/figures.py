@@ -22,6 +22,8 @@ MARKERS = "osD^v<>phXP*"
 GUIDES = {1.0: "σ = μ*", 0.1: "σ = 0.1 μ*"}
 """Slopes of the lines in the screening: above the first a factor acts unevenly or together with others, below the last evenly."""
 UNTRUSTED_COLOUR = "firebrick"
+MAX_LEVEL = 16
+"""Most characters of a level's name."""
 
 
 def _panels(table: pd.DataFrame, height: float) -> tuple[Figure, dict[str, Axes]]:
@@ -94,15 +96,16 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
             ax.barh(np.arange(len(order)) + shift, np.nan_to_num(reach), left=base, height=0.34, color=colour)
             for place, name in enumerate(order):
                 if by_name[name].levels and not np.isnan(reach[place]):
-                    text = _level(by_name[name], rows[end][name])
-                    ax.annotate(text, (base + reach[place], place + shift), (2, 0), textcoords="offset points", va="center", fontsize=5.5)
+                    side = -1.0 if reach[place] < 0.0 else 1.0
+                    look: Any = {"ha": "left" if side > 0.0 else "right", "va": "center", "fontsize": 5.5, "textcoords": "offset points"}
+                    ax.annotate(_level(by_name[name], rows[end][name]), (base + reach[place], place + shift), (2.0 * side, 0.0), **look)
             lost = np.flatnonzero(np.isnan(reach))
             ax.plot(np.full(lost.size, base), lost + shift, linestyle="", marker="x", color=UNTRUSTED_COLOUR)
         ax.axvline(base, color="black", linewidth=0.8)
         ax.set(xlabel=f"{metric_words(metric)}{_unit(rows['units'].iloc[0])}", yticks=np.arange(len(order)), yticklabels=[])
         ax.tick_params(axis="y", length=0)
         ax.spines["left"].set_visible(False)
-        ax.margins(x=0.06, y=0.02)
+        ax.margins(x=0.4 if any(factor.levels for factor in factors) else 0.06, y=0.02)  # room for names
     leftmost = next(iter(axes.values()))
     leftmost.set_yticklabels(
         [f"{factor.label}\n{_range(factor)}" for factor in (by_name[name] for name in order)],
@@ -122,10 +125,10 @@ def _range(factor: Axis) -> str:
 
 
 def _level(factor: Axis, number: float) -> str:
-    """A level as it is read: of files their names alone."""
-    return ", ".join(
-        PurePath(part).stem if "." in part and not is_number(part) else part for part in factor.levels[int(number) - 1].split(", ")
-    )
+    """A level as it is read: of a file its name alone."""
+    parts = factor.levels[int(number) - 1].split(", ")
+    name = ", ".join(part if is_number(part) else PurePath(part).stem for part in parts)
+    return name if len(name) <= MAX_LEVEL else f"{name[: MAX_LEVEL - 1]}…"
 
 
 @styled
