@@ -55,14 +55,14 @@ def at_rest(scene: Scene, particles: Particles) -> np.ndarray:
 
         |1 - K0| / 2 sigma_v / (c cos(phi) + (1 + K0) / 2 sigma_v sin(phi)),
 
-    1 at the active and at the passive limit; beyond 1 the soil yields while gravity is brought on.
+    1 at the active and at the passive limit; beyond 1 the soil yields while gravity is brought on.  A strength below 1 Pa counts as 1 Pa.
     """
     soil = slice(0, particles.n_soil)
     vertical = effective_overburden(scene, particles.x[soil], particles.y[soil])
     ratio = np.array([each.at_rest for each in scene.soils])[particles.layer[soil]]
     cohesion, angle = peak_strength(scene, particles)[:, soil]
     radius, at_yield = 0.5 * np.abs(1.0 - ratio) * vertical, cohesion * np.cos(angle) + 0.5 * (1.0 + ratio) * vertical * np.sin(angle)
-    return np.divide(radius, at_yield, out=np.zeros_like(radius), where=at_yield > 0.0)
+    return np.divide(radius, np.maximum(at_yield, 1.0), out=np.zeros_like(radius), where=at_yield > 0.0)
 
 
 def of_rest(scene: Scene, particles: Particles) -> list[Finding]:

@@ -196,7 +196,8 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
         return _of_files(files)
     found = sorted((each for each in findings if each.code == code), key=lambda each: float(each.numbers["value"]))
     if not found:
-        return "not searched", closely
+        unknown = [str(each.numbers["reason"]) for each in findings if (each.code, each.subject) == ("stability-unknown", code)]
+        return ("not known", unknown[0]) if unknown else ("not searched", closely)
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
     how = f"static, a quick search{slopes} before the runs, {limit_how(found[0])}"
     return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)

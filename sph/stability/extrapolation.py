@@ -184,7 +184,8 @@ def extrapolated(
     """Search at two spacings by a function of ``sph.stability.safety``; the fine search begins around what the coarse one found.
 
     The spacings (m) are those of ``two_spacings``; ``report`` gets the spacing, the strength over that of the soil, and each trial.
-    Tests whose outcome is ``known``, by where they were made and by value, are not made again.  ValueError as from the searches.
+    Tests whose outcome is ``known``, by where they were made and by value, are not made again.  ValueError as from the searches, and for
+    a strength whose error is as large as itself.
     """
 
     def search(at: At, near: float | None, **options: float) -> Search:
@@ -203,4 +204,9 @@ def extrapolated(
         stronger = search((spacings[0], STRONGER), coarse.value, stronger=STRONGER)
         sensitivity = (stronger.value - coarse.value) / math.log(STRONGER)
     error = max(error + rule.displacement * sensitivity, spread(slips_along_a_plane(scene)) * sensitivity)
+    if find is not yield_acceleration and not value > error:
+        raise ValueError(
+            f"numerics.spacing: {coarse.value:.3g} at {spacings[0]:.3g} m and {fine.value:.3g} at {spacings[1]:.3g} m are too far apart to "
+            "tell the value without the error of the spacing; take a finer spacing, with three rows of particles or more in each layer"
+        )
     return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error, taken, sensitivity, stronger)

@@ -148,7 +148,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, sof
         "numerics.adaptive_step.courant": COURANT,
         "numerics.artificial_viscosity.alpha": VISCOSITY,
     }
-    if "absorbing" in (scene.walls.base, scene.walls.sides):  # holds no load that stays: a rigid base and sides on rollers instead
+    if any(kind.absorbs for kind in scene.walls.kinds):  # holds no load that stays: a rigid base and sides on rollers instead
         changes |= {"walls.base": RESOLVED["walls"]["base"], "walls.sides": RESOLVED["walls"]["sides"], "walls.bedrock": None}
     if not own_stiffness:
         modulus = 2e-3 * stiffness(scene, rule, acceleration)  # 2 G, kPa

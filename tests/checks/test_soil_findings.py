@@ -164,6 +164,12 @@ def test_ground_at_its_active_limit_is_told_with_layer_depth_and_remedy() -> Non
         assert bool(of_rest(given, place_particles(given))) == told_again
 
 
+def test_hardly_any_strength_is_mobilised_without_an_overflow() -> None:
+    made = make_scene(merge(OWN, dotted({"soil.cohesion": 5e-324, "soil.friction_angle": 0.0, "layers": {}})) | {"layers": {}})
+    (one,) = of_rest(made, place_particles(made))
+    assert 1.0 < one.numbers["value"] < np.inf
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_the_mobilised_strength_of_layers_at_random_is_that_between_rankines_limits(seed: int) -> None:
     """1 at the limits that ``Soil.limits_at_rest`` gives, below it between them and above it outside, whatever layers and water."""

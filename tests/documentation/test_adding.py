@@ -22,6 +22,8 @@ from sph.solver.terms import KEYS, wanted_terms
 assert KEYS["drag"] == "numerics.drag"
 assert wanted_terms(make_scene({SCENE % "'numerics': {'drag': 0.5}"}))["drag"]
 assert not wanted_terms(make_scene({SCENE % "'numerics': {}"}))["drag"]
+from sph.solver.time_step import limits
+assert [each.reason for each in limits(make_scene({SCENE % "'numerics': {'drag': 0.5}"})) if each.name == "drag"] == ["0.5 1/s"]
 from collections import namedtuple
 import numpy as np
 from sph.solver.physics.drag import Drag, add_drag

@@ -152,9 +152,10 @@ class TestAdviceForAScene:
         assert nothing.exit_code == 2 and "no measured spacing has" in nothing.stdout
 
     def test_no_error_is_known_of_the_law_of_interfaces_yet(self) -> None:
+        why = "errors are measured with numerics.interfaces: both, and not with weaker; run it at a second spacing"
         result = call("advise", SLOPE_ON_ROCK, "--error", "10%")
-        assert result.exit_code == 2 and "no measured run was computed with its settings" in result.stderr
-        assert "not measured" in expected_sentence(load_scene(SLOPE_ON_ROCK))
+        assert result.exit_code == 2 and why in result.stderr
+        assert f"not known, since {why}" in expected_sentence(load_scene(SLOPE_ON_ROCK))
 
     def test_a_slope_unlike_the_measured_one_is_told_so(self) -> None:
         result = call("advise", ROOT / "config" / "scenes" / "gentle_layered.yaml", "--error", "10%")

@@ -301,6 +301,8 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     words, how = limit([note], note.code, [], "sph fos")
     assert words == "1.41 ± 0.10" and "sph fos" in how
     assert limit([], note.code, [], "sph fos") == ("not searched", "sph fos")
+    unknown = finding("stability-unknown", subject=note.code, reason="too few rows")
+    assert limit([unknown], note.code, [], "sph fos") == ("not known", "too few rows")
     # Of several slopes the least and the most, and how to have one more closely.
     weaker = finding("factor-of-safety", value=1.09, error=0.08, coarse=2.0, fine=1.0, step_taken=True)
     words, how = limit([note, weaker], note.code, [], "sph fos")

@@ -133,6 +133,57 @@ def test_the_kernel_alone_brakes_it() -> None:
     assert found < 0.75 * GRAVITY * (math.sin(math.radians(28.0)) - math.cos(math.radians(28.0)) * math.sin(math.radians(18.0)))
 
 
+def strip() -> Scene:
+    """A strip of failed soil, 26 m long and three rows thick, on the face of a strong slope at 28 degrees to the rows of the lattice."""
+    angle, high, strong = (
+        math.radians(28.0),
+        3.0,
+        {"density": DENSITY, "youngs_modulus": 8e4, "poisson_ratio": 0.3, "viscosity": 2.0} | STRONG,
+    )
+    x = np.array([0.0, 20.0, 42.0, 43.0, 67.0, 68.0, 80.0, 95.0])
+    face = 4.0 + np.clip(x - 20.0, 0.0, 60.0) * math.tan(angle)
+    top = face + high * np.isin(x, (43.0, 67.0))
+    around = [[39.0, face[2] - 3.0 * math.tan(angle)], [71.0, face[5] + 3.0 * math.tan(angle)]]
+    return make_scene(
+        {
+            "name": "strip",
+            "duration": 2.5,
+            "geometry": {"shape": "ground_line", "points": np.stack([x, top], axis=1).tolist(), "base": 0.0, "downhill": "left"},
+            "walls": {"base": "no_slip", "sides": "periodic"},
+            "soil": strong,
+            "layers": {
+                "weak": {
+                    "region": {"kind": "polygon", "points": [*around, *([x, y + 6.0] for x, y in around[::-1])]},
+                    "soil": {"cohesion": 0.0, "friction_angle": 18.0, "residual_cohesion": 0.0, "residual_friction_angle": 18.0},
+                }
+            },
+            "coupling": {"S_R": 1.0, "gamma": 1.0, "initial_state": "fluid"},
+            "gravity": {"ramp": 0.5, "duration": 0.5, "damping": 0.0},
+            "motion": {"kind": "none"},
+            "damping": None,
+            "numerics": {"spacing": 1.0},
+            "probes": {"A": [55.0, float(np.interp(55.0, x, face)) + 1.5]},
+            "outputs": {"frame_interval": 0.25, "series_interval": 0.05},
+        }
+    )
+
+
+def test_the_steps_of_the_lattice_brake_soil_on_a_face_between_its_rows() -> None:
+    """Keeps a measured value from drifting: 0.8 of the acceleration where 5 % were wanted (``docs/model/interfaces.md``)."""
+    data = run(strip()).trajectory
+    x, time = data["x0"].values, data["time"].values
+    middle, since, slope = (
+        (data["layer"].values == 1) & (data["kind"].values == 0) & (np.abs(x - 55.0) < 7.0),
+        time >= 1.0,
+        math.radians(28.0),
+    )
+    along = -data["displacement_x"].values * math.cos(slope) - data["displacement_y"].values * math.sin(slope)
+    found = 2.0 * np.polyfit(time[since], along[since][:, middle].mean(axis=1), 2)[0]
+    expected = GRAVITY * (math.sin(slope) - math.cos(slope) * math.sin(math.radians(18.0)))
+    assert 0.7 < found / expected < 0.9
+    assert energy_error(Run(data)) < CLOSED
+
+
 PEAK, RESIDUAL = (10.0, 25.0), (0.0, 12.0)
 SLIPS = (0.02, 0.3)
 DX = 0.5
@@ -175,10 +226,10 @@ def block(rows: int, motion: dict[str, Any], softening: bool, lasts: float = 2.0
 class Slide:
     """Motion of the block to the left from the start of the shaking: time (s), displacement (m), speed (m/s) and push (m/s2)."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, closed: float = CLOSED) -> None:
         data = run(scene).trajectory
         assert data.attrs["status"] != "diverged"
-        assert energy_error(Run(data)) < CLOSED
+        assert energy_error(Run(data)) < closed
         since = data["sample_time"].values >= SHAKEN_FROM - 1e-9
         self.time = data["sample_time"].values[since] - SHAKEN_FROM
         moved = -data["probe_displacement_x"].values[since, 0]
@@ -216,6 +267,16 @@ def test_a_block_slides_on_a_weak_layer_under_a_constant_push(rows: int) -> None
     expected = found.by_equation(rows, False, start)
     for at in (int(np.argmax(found.moved > 0.5)), found.time.size - 1):
         assert found.moved[at] == pytest.approx(expected[at - start], rel=0.03)
+
+
+def test_one_row_between_strong_soils_holds_the_block() -> None:
+    """A quarter of the way, with an energy budget that is open by 0.7 %: 3 % and 0.1 % were wanted.
+
+    The kernel reaches across the row, so that the strong soils above and below hold each other.
+    """
+    found = Slide(block(1, PUSH, False), closed=0.01)
+    start = int(np.argmax(found.moved > 0.1))
+    assert 0.2 < found.moved[-1] / found.by_equation(1, False, start)[-1] < 0.3
 
 
 @pytest.mark.parametrize("rows", [2, 4])

@@ -66,6 +66,18 @@ def test_no_step_is_taken_to_the_unsafe_side(monkeypatch: pytest.MonkeyPatch) ->
     assert found.how == "the value at a spacing of 0.5 m, since the extrapolation from 1 m would be on the unsafe side"
 
 
+def test_a_factor_with_an_error_as_large_as_itself_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A weak layer that slips only with the finer particles: 2.2 times as strong at the coarse spacing."""
+
+    def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:
+        stands = value < (2.2 if scene.numerics.spacing > 0.75 else 1.0)
+        return Trial(value, stands, 0.0 if stands else 1e3, 0.0, "complete", 0.0)
+
+    monkeypatch.setattr("sph.stability.safety.stand", stand)
+    with pytest.raises(ValueError, match=r"numerics.spacing: 2.2 at 1 m and 1 at 0.5 m are too far apart .* three rows"):
+        extrapolated(factor_of_safety, scene(), 0.001)
+
+
 @pytest.mark.parametrize("sensitive", [0.5, 4.0])
 def test_an_error_of_the_strength_is_one_of_the_load_by_its_sensitivity(sensitive: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """A slope whose yield acceleration rises by ``sensitive`` times what its strength rises; the rule's 1 % is one of the strength."""

@@ -20,6 +20,7 @@ from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.scene.scheme import RESOLVED
 from sph.scene.strict_json import parse_json
+from sph.scene.walls import KINDS
 from sph.study.tables import EXPECTED
 
 SHIPPED = Path(__file__).parents[1] / "measured" / "cost-accuracy.csv"
@@ -111,7 +112,8 @@ def resolutions(scene: Scene, table: pd.DataFrame | None = None) -> list[Resolut
         raise ValueError(NOT_MEASURED_YET)
     measured = [(at, variant) for at, variant in _alike(scene, summary(table)) if variant.every_case and variant.finished]
     if not measured:
-        raise ValueError(f"no error is known for this slope: no measured run was computed with its settings; {REMEDY}")
+        why = of_other_law(scene) if _alike(with_other_law(scene), summary(table)) else "no measured run was computed with its settings"
+        raise ValueError(f"no error is known for this slope: {why}; {REMEDY}")
     by_spacing = {at: variant for at, variant in sorted(measured, key=lambda pair: (-pair[0], pair[1].errors["runout"]))}
     height = scene.geometry.crest[1] - scene.geometry.toe[1]
     return [
@@ -145,7 +147,8 @@ def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summa
         numerics = {name: value for name, value in keys.get("numerics", {}).items() if name not in ("spacing", "lattice_shift")}
         coupling = {name: value for name, value in keys.get("coupling", {}).items() if name != "softening"}
         # The error is that of the moving soil, whether or not the box lets waves out, and each slope has a damping of its own.
-        walls = {name: RESOLVED["walls"].get(name) if kind == "absorbing" else kind for name, kind in keys.get("walls", {}).items()}
+        written = keys.get("walls", {})
+        walls = written | {name: RESOLVED["walls"][name] for name in ("base", "sides") if name in written and KINDS[written[name]].absorbs}
         return settings_text(keys | {"numerics": numerics, "coupling": coupling, "walls": walls, "damping": None})
 
     own = rest(scheme(scene))
@@ -158,6 +161,18 @@ def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summa
     ]
 
 
+def with_other_law(scene: Scene) -> Scene:
+    """A scene with the other law of interfaces between soils."""
+    law = "both" if scene.numerics.interfaces == "weaker" else "weaker"
+    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"interfaces": law})})
+
+
+def of_other_law(scene: Scene) -> str:
+    """Why no error is known where the measured runs have the other law of interfaces."""
+    other = with_other_law(scene)
+    return f"errors are measured with numerics.interfaces: {other.numerics.interfaces}, and not with {scene.numerics.interfaces}"
+
+
 def expected_sentence(scene: Scene) -> str:
     """What the shipped table says of a scene, in words."""
     table = shipped_table(scene.scheme)
@@ -168,6 +183,8 @@ def expected_sentence(scene: Scene) -> str:
         return expected.sentence()
     if others := unlike(scene):
         return f"not known for this slope, since {', '.join(others)}; {REMEDY}"
+    if expected_error(with_other_law(scene), table):
+        return f"not known, since {of_other_law(scene)}; {REMEDY}"
     if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:
