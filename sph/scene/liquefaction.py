@@ -71,3 +71,45 @@ def cyclic_resistance(blow_count: float) -> float:
     """Cyclic resistance ratio at magnitude 7.5 and 1 atm on level ground, from (N1)60 of clean sand: Boulanger and Idriss (2014)."""
     n = blow_count
     return math.exp(n / 14.1 + (n / 126.0) ** 2 - (n / 23.6) ** 3 + (n / 25.4) ** 4 - 2.8)
+
+
+# ---------------------------------------------------------------- the simplified procedure
+
+LARGEST_RESISTANCE = 2.0
+"""Cyclic resistance ratio beyond which none is told: sand with more than 37 blows does not liquefy."""
+LARGEST_DEPTH = 20.0
+"""Depth to which the factor of stress reduction is known, m."""
+
+
+def stress_reduction(depth: np.ndarray, magnitude: float) -> np.ndarray:
+    """r_d (n,) at depths (n,), m: shear stress of level ground over that of a rigid column (Boulanger and Idriss 2014)."""
+    alpha = -1.012 - 1.126 * np.sin(depth / 11.73 + 5.133)
+    beta = 0.106 + 0.118 * np.sin(depth / 11.28 + 5.142)
+    return np.exp(alpha + beta * magnitude)
+
+
+def magnitude_factor(magnitude: float, blow_count: float) -> float:
+    """Magnitude scaling factor of sand from (N1)60 of clean sand: Boulanger and Idriss (2014)."""
+    largest = min(1.09 + (blow_count / 31.5) ** 2, 2.2)
+    return 1.0 + (largest - 1.0) * (8.64 * math.exp(-magnitude / 4.0) - 1.325)
+
+
+def overburden_factor(blow_count: float, vertical: np.ndarray) -> np.ndarray:
+    """K_sigma (n,) from (N1)60 of clean sand and vertical effective stress (n,), Pa: Boulanger and Idriss (2014)."""
+    rate = min(1.0 / (18.9 - 2.55 * math.sqrt(min(blow_count, 37.0))), 0.3)
+    return np.minimum(1.0 - rate * np.log(vertical / ATMOSPHERE), 1.1)
+
+
+def sand_resistance(blow_count: float, magnitude: float, vertical: np.ndarray) -> np.ndarray:
+    """Cyclic resistance ratio (n,) of sand on level ground at a magnitude and under vertical effective stresses (n,), Pa."""
+    at_reference = min(cyclic_resistance(blow_count), LARGEST_RESISTANCE)
+    return np.minimum(at_reference * magnitude_factor(magnitude, blow_count) * overburden_factor(blow_count, vertical), LARGEST_RESISTANCE)
+
+
+def clay_resistance(undrained: np.ndarray, magnitude: float, static: float = 0.0) -> np.ndarray:
+    """Cyclic resistance ratio (n,) of clay at a magnitude: Boulanger and Idriss (2007).
+
+    From its undrained strength over the vertical effective stress (n,), and the static shear stress over the undrained strength.
+    """
+    shear_factor = 1.344 - 0.344 / (1.0 - static) ** 0.638
+    return 0.96 * 0.83 * undrained * shear_factor * (1.12 * math.exp(-magnitude / 4.0) + 0.828)

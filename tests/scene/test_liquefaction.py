@@ -10,13 +10,19 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.liquefaction import (
+    ATMOSPHERE,
+    LARGEST_RESISTANCE,
     STRENGTHS,
     blow_count_of_density,
+    clay_resistance,
     clean_sand,
     clean_sand_residual,
     cyclic_resistance,
     kramer_wang,
+    overburden_factor,
     residual_ratio,
+    sand_resistance,
+    stress_reduction,
     volume_coefficient,
     volume_coefficient_of_density,
 )
@@ -89,3 +95,19 @@ def test_other_scenes_are_stored_as_they_were() -> None:
     plain = make_scene({**SAND, "soil": {"cohesion": 0.0, "friction_angle": 33.0}, "water": {"pressure": "carried", "level": 15.0}})
     assert '"blow_count"' in dry.stored() and "excess_pressure" in dry.stored(), "named"
     assert not any(name in plain.stored() for name in ("blow_count", "liquefied", "excess_pressure", "rebound_modulus"))
+
+
+def test_simplified_procedure() -> None:
+    # Magnitude 7.5 and 1 atm are the reference of the curve; r_d is 1 at the ground and falls with depth.
+    assert sand_resistance(15.0, 7.5, np.array([ATMOSPHERE]))[0] == pytest.approx(cyclic_resistance(15.0), rel=2e-3)
+    assert sand_resistance(15.0, 6.0, np.array([ATMOSPHERE]))[0] > sand_resistance(15.0, 7.5, np.array([ATMOSPHERE]))[0]
+    assert sand_resistance(40.0, 7.5, np.array([ATMOSPHERE]))[0] == pytest.approx(LARGEST_RESISTANCE, rel=1e-4)
+    reduced = stress_reduction(np.array([0.0, 5.0, 10.0, 20.0]), 7.5)
+    assert reduced[0] == pytest.approx(1.0, abs=0.01) and (np.diff(reduced) < 0.0).all()
+    np.testing.assert_allclose(overburden_factor(10.0, np.array([50e3, ATMOSPHERE, 200e3])), [1.065, 1.0, 0.937], atol=2e-3)
+
+
+def test_cyclic_softening_of_clay() -> None:
+    # Magnitude 7.2, s_u/sigma'_v 0.35, tau_max/sigma'_v 0.40, static shear a fifth of sigma'_v; the factor for magnitude is 1.013.
+    resistance = clay_resistance(np.array([0.35]), 7.2, static=0.2 / 0.35)[0]
+    assert resistance / 1.013 == pytest.approx(0.210, abs=5e-4) and resistance / (0.65 * 0.40) == pytest.approx(0.82, abs=5e-3)

@@ -18,7 +18,7 @@ from sph.solver.physics.cyclic_pore_pressure import (
     compact,
     excess_pressure,
     fails,
-    is_liquefied,
+    or_liquefied,
     softened,
 )
 from sph.solver.physics.elasticity import Strain, pressure
@@ -158,16 +158,16 @@ def test_liquefied_sand_keeps_its_residual_strength() -> None:
     by_pressure.cycle(sine(1e-3, 4))
     by_strain.cycle(np.linspace(0.0, 0.0799, 100))
     other.cycle(sine(1e-3, 4))
-    assert not is_liquefied(by_strain.term, by_strain.state, PARTICLE)
+    assert not or_liquefied(by_strain.term, by_strain.state, PARTICLE, False)
     assert not fails(by_strain.term, by_strain.state, PARTICLE, True), "at its yield surface it only yields"
     by_strain.cycle(np.linspace(0.0, 2e-4, 3))
     for sample in (by_pressure, by_strain):
-        assert is_liquefied(sample.term, sample.state, PARTICLE) and fails(sample.term, sample.state, PARTICLE, False)
+        assert or_liquefied(sample.term, sample.state, PARTICLE, False) and fails(sample.term, sample.state, PARTICLE, False)
         assert (sample.material.fluid.cohesion_term, sample.material.fluid.sine) == (
             9e3,
             0.0,
         ) and sample.material.solid == sample.soil.solid
-    assert by_strain.ratio == 0.0 and other.ratio > 0.7 and not is_liquefied(other.term, other.state, PARTICLE)
+    assert by_strain.ratio == 0.0 and other.ratio > 0.7 and not or_liquefied(other.term, other.state, PARTICLE, False)
     assert fails(other.term, other.state, PARTICLE, True) and not fails(other.term, other.state, PARTICLE, False)
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.slots import slot
-from sph.solver.physics.cyclic_pore_pressure import compact, excess_pressure, fails, is_liquefied, softened
+from sph.solver.physics.cyclic_pore_pressure import compact, excess_pressure, fails, or_liquefied, softened
 from sph.solver.physics.dilation import dilate
 from sph.solver.physics.elasticity import Deviator, Strain, deviator_square, elastic_rate, pressure, scaled, strained
 from sph.solver.physics.failed_solid import yields
@@ -202,7 +202,7 @@ def _advance_chunk(surfaces: Surfaces, state: State, pairs: Pairs, terms: Terms,
         beta = _update_beta(own_fluid, terms, soil, state, i)
         p_fluid, s_fluid = _update_fluid(own_fluid, terms, soil, state, i, p, strain, time)
         p_solid, s_solid, yielding = _update_solid(own_solid, terms, soil, state, i, p, rate, strain, time)
-        reached[i] = yielding or is_liquefied(terms.cyclic_pore_pressure, state, i)
+        reached[i] = or_liquefied(terms.cyclic_pore_pressure, state, i, yielding)
         p_effective, s = blend(beta, p_solid, p_fluid), blend_deviators(beta, s_solid, s_fluid)
         keep_normal_stress(terms.seams, i, p_effective, s)
         water = carried_pressure(terms.pore_pressure, soil, i, beta, p, excess_pressure(terms.cyclic_pore_pressure, state, i), time)

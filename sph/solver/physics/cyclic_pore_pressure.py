@@ -209,14 +209,14 @@ def _softened(cyclic: CyclicPorePressure, state: State, soil: Material, i: int) 
 
 
 @slot
-def is_liquefied(cyclic: CyclicPorePressure | None, state: State, i: int) -> bool:
-    """Whether particle i has liquefied."""
-    return False
+def or_liquefied(cyclic: CyclicPorePressure | None, state: State, i: int, yielding: bool) -> bool:
+    """Whether particle i is ``yielding`` or has liquefied."""
+    return yielding
 
 
-@is_liquefied.of(CyclicPorePressure)
-def _is_liquefied(cyclic: CyclicPorePressure, state: State, i: int) -> bool:
-    return state.liquefied_at[i] >= 0.0
+@or_liquefied.of(CyclicPorePressure)
+def _or_liquefied(cyclic: CyclicPorePressure, state: State, i: int, yielding: bool) -> bool:
+    return yielding or state.liquefied_at[i] >= 0.0
 
 
 @slot
