@@ -96,6 +96,7 @@ SEVERITIES: dict[str, Severity | Callable[[Numbers], Severity]] = {
     "debris-at-wall": WARNING,
     "thin-debris": WARNING,
     "energy-open": WARNING,
+    "liquefied": NOTE,
     "other-slope": WARNING,
     "slope-to-side": WARNING,
     "time-step": WARNING,

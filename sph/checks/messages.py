@@ -429,6 +429,11 @@ MESSAGES: dict[str, Message] = {
         "at least {bound:g}; or let the run raise its pore pressure (water.excess_pressure)",
         meaning="least factor of safety of sand against liquefaction, (Boulanger and Idriss 2014), with --magnitude",
     ),
+    "liquefied": Message(
+        "{subject} has liquefied",
+        "{share:.0f %} of its sand below water, half of that by {middle:.3g} s, the first at {first:.3g} s",
+        meaning="share of the sand of a layer that has liquefied in a run, with water.excess_pressure.liquefaction",
+    ),
     "cyclic-softening": Message(
         lambda of: "{subject}, clay, softens in the earthquake" if of["value"] < of["bound"] else "{subject}, clay, keeps its strength",
         _simplified,

@@ -158,12 +158,12 @@ class Simulation:
 
     def elastic_energy(self) -> float:
         """Energy stored in the blended stress, J/m."""
-        return float(elastic_energy(self.state, only(self.terms, "layers", "cyclic_pore_pressure")))
+        return float(elastic_energy(self.state, only(self.terms, "layers")))
 
     def cauchy_stress(self) -> np.ndarray:
         """Stress (n, 4) xx, yy, zz, xy of Eq. 8, Pa, tension positive."""
         stress = np.empty((self.state.x.size, 4))
-        cauchy_stress(self.state, only(self.terms, "layers", "cyclic_pore_pressure"), stress)
+        cauchy_stress(self.state, only(self.terms, "layers"), stress)
         return stress
 
     def saved(self) -> Saved:

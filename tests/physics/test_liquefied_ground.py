@@ -8,6 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sph.checks.after_run import liquefied
+from sph.checks.messages import words
+from sph.measures.fields import FIELDS
+from sph.output.run import Run
 from sph.scene.configuration import dotted, merge
 from sph.scene.liquefaction import volume_coefficient
 from sph.scene.schema import Scene, make_scene
@@ -95,6 +99,11 @@ def test_level_ground_liquefies() -> None:
     effective = -ds["stress_yy"].values[:, soil][:, inner].mean(axis=1)
     first = effective[np.searchsorted(ds["time"].values, START - 1e-9)]
     assert first == pytest.approx((2000.0 * 9.81 - 9810.0) * depth[inner].mean(), rel=0.05) and effective[-1] < 0.4 * first
+    ratio = FIELDS["pore_pressure_ratio"].of(Run.of(ds), -1)
+    assert ratio.min() == 0.0 and ratio.max() == 1.0 and not ratio[~soil].any() and ratio[soil].mean() > 0.7
+    (told,) = liquefied(Run.of(ds))
+    assert told.numbers["share"] == np.mean(np.isfinite(t_f[soil])) and START < told.numbers["first"] < told.numbers["middle"] < 5.0
+    assert "of its sand below water" in words(told).measured
     energies = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy")
     rest = sum(ds[name].values for name in energies) - ds["shaking_work"].values
     assert np.abs(rest - rest[0]).max() < 0.01 * np.abs(ds["shaking_work"].values).max()

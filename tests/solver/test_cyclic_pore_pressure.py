@@ -18,11 +18,10 @@ from sph.solver.physics.cyclic_pore_pressure import (
     compact,
     excess_pressure,
     fails,
-    or_liquefied,
-    softened,
+    mark_liquefied,
 )
 from sph.solver.physics.elasticity import Strain, pressure
-from sph.solver.physics.material import Material, make_material
+from sph.solver.physics.material import Material, make_material, material_of
 from sph.solver.simulation import Simulation
 from sph.solver.state import ARMED
 
@@ -42,7 +41,7 @@ SAND: dict[str, Any] = {
 }
 VERTICAL, DT = 100e3, 1e-3
 PARTICLE = np.uint64(0)
-Element = NamedTuple("Element", [("phase", np.ndarray), *((name, np.ndarray) for name in CyclicState._fields)])
+Element = NamedTuple("Element", [("phase", np.ndarray), ("density", np.ndarray), *((name, np.ndarray) for name in CyclicState._fields)])
 """What the term needs of the state, of one particle."""
 
 
@@ -51,15 +50,24 @@ class Sample:
 
     def __init__(self, blow_count: float = 10.0, exponent: float = 0.5, residual: float = -1.0, strain: float = math.inf) -> None:
         scene = make_scene(SAND)
-        one = np.ones(1)
-        modulus = 2000.0 * 200.0**2 * 3.5  # K + 4/3 G for a Poisson's ratio of 0.3
+        one, self.soil = np.ones(1), make_material(scene.materials[0], scene.coupling, DT)
         self.term = CyclicPorePressure(
-            volume_coefficient(blow_count) * one, modulus * one, VERTICAL * one, residual * one, exponent, 0.1, 0.7, strain, 0.0
+            coefficient=volume_coefficient(blow_count) * one,
+            modulus=2000.0 * 200.0**2 * 3.5 * one,  # K + 4/3 G for a Poisson's ratio of 0.3
+            shear_modulus=self.soil.shear_modulus * one,
+            law_modulus=8,
+            vertical=VERTICAL * one,
+            residual=residual * one,
+            exponent=exponent,
+            least=0.1,
+            pressure_ratio=0.7,
+            shear_strain=strain,
+            start=0.0,
+            density=2000.0,
         )
-        self.soil = make_material(scene.materials[0], scene.coupling, DT)
         start = {name: np.full(1, -1.0 if name == "liquefied_at" else 0.0) for name in CyclicState._fields}
-        self.state = Element(np.full(1, ARMED, np.uint8), **start)
-        self.density, self.reference, self.angle = 2000.0 * (1.0 + VERTICAL / self.soil.bulk_modulus), 2000.0, 0.0
+        self.state = Element(np.full(1, ARMED, np.uint8), np.full(1, 2000.0 * (1.0 + VERTICAL / self.soil.bulk_modulus)), **start)
+        self.layers, self.angle = Simulation(scene).terms.layers, 0.0
 
     def shear(self, added: float, direction: float = 0.0, spin: float = 0.0) -> None:
         """Add a shear strain in a direction of the plane of (e_xx - e_yy, 2 e_xy), and turn by a spin after it."""
@@ -67,7 +75,7 @@ class Sample:
         angle = direction - 2.0 * self.angle
         diff, xy = 0.5 * added * math.cos(angle) / DT, 0.5 * added * math.sin(angle) / DT
         strain = Strain(diff, -diff, xy, spin, DT)
-        self.density = compact(self.term, self.state, self.soil, PARTICLE, self.density, self.reference, strain, 1.0)
+        compact(self.term, self.layers, self.state, PARTICLE, strain, 1.0)
 
     def cycle(self, strains: np.ndarray, direction: float = 0.0, spin: float = 0.0) -> None:
         """Follow a history of shear strain from its first value."""
@@ -76,7 +84,13 @@ class Sample:
 
     @property
     def material(self) -> Material:
-        return softened(self.term, self.state, self.soil, PARTICLE)
+        return material_of(self.layers, self.soil, PARTICLE)
+
+    @property
+    def is_liquefied(self) -> bool:
+        reached = np.zeros(1, bool)
+        mark_liquefied(self.term, self.state, PARTICLE, reached)
+        return bool(reached[0])
 
     @property
     def ratio(self) -> float:
@@ -135,7 +149,7 @@ def test_water_takes_over_what_the_skeleton_gives_up() -> None:
     sample = Sample(blow_count=5.0, exponent=0.0)
     for _ in range(20):
         sample.cycle(sine(1e-3, 1))
-        effective = pressure(sample.soil.bulk_modulus, sample.density, sample.reference)
+        effective = pressure(sample.soil.bulk_modulus, sample.state.density[0], sample.term.density)
         assert effective + VERTICAL * sample.ratio == pytest.approx(VERTICAL, rel=1e-9), "total pressure"
         risen = sample.term.modulus[0] * sample.state.compaction[0]
         assert VERTICAL * sample.ratio == pytest.approx(min(risen, VERTICAL), rel=1e-9)
@@ -158,16 +172,16 @@ def test_liquefied_sand_keeps_its_residual_strength() -> None:
     by_pressure.cycle(sine(1e-3, 4))
     by_strain.cycle(np.linspace(0.0, 0.0799, 100))
     other.cycle(sine(1e-3, 4))
-    assert not or_liquefied(by_strain.term, by_strain.state, PARTICLE, False)
+    assert not by_strain.is_liquefied
     assert not fails(by_strain.term, by_strain.state, PARTICLE, True), "at its yield surface it only yields"
     by_strain.cycle(np.linspace(0.0, 2e-4, 3))
     for sample in (by_pressure, by_strain):
-        assert or_liquefied(sample.term, sample.state, PARTICLE, False) and fails(sample.term, sample.state, PARTICLE, False)
+        assert sample.is_liquefied and fails(sample.term, sample.state, PARTICLE, False)
         assert (sample.material.fluid.cohesion_term, sample.material.fluid.sine) == (
             9e3,
             0.0,
         ) and sample.material.solid == sample.soil.solid
-    assert by_strain.ratio == 0.0 and other.ratio > 0.7 and not or_liquefied(other.term, other.state, PARTICLE, False)
+    assert by_strain.ratio == 0.0 and other.ratio > 0.7 and not other.is_liquefied
     assert fails(other.term, other.state, PARTICLE, True) and not fails(other.term, other.state, PARTICLE, False)
 
 
@@ -199,6 +213,7 @@ def test_coefficients_of_a_scene() -> None:
     np.testing.assert_allclose(term.vertical[clean], vertical[clean], rtol=1e-9)
     np.testing.assert_allclose(term.residual[clean], residual_ratio(10.0) * vertical[clean], rtol=1e-9)
     np.testing.assert_allclose(term.residual[fines], residual_ratio(12.0) * vertical[fines], rtol=1e-9)
+    assert term.law_modulus == 8, "as the elements above have it"
     drained = math.tan(math.radians(35.0)) * vertical[clean]
     for key, value, expected in (("", 5.0, np.minimum(5e3, drained)), ("_ratio", 0.9, drained)):
         numbers = make_scene(merge(SAND, {"soil": {f"liquefied_strength{key}": value}}))

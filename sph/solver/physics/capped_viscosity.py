@@ -15,7 +15,7 @@ from sph.scene.soil import CappedViscosity as Section
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.optional import Limit
 from sph.solver.physics.elasticity import deviator_square, elastic_rate, scaled
-from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator, with_shear_modulus
+from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator
 from sph.solver.physics.yield_surface import strength
 
 if TYPE_CHECKING:
@@ -40,11 +40,6 @@ def _deviator(law: CappedViscosity, surface: MohrCoulomb, p: float, s: Deviator,
     if strength(surface, p) < (law.cap - law.viscosity) * shear_rate:
         viscosity = law.viscosity + strength(surface, p) / shear_rate
     return scaled(rate, viscosity)
-
-
-@with_shear_modulus.of(CappedViscosity)
-def _with_shear_modulus(law: CappedViscosity, shear_modulus: float) -> CappedViscosity:
-    return law
 
 
 @with_numbers.of(CappedViscosity)

@@ -23,7 +23,7 @@ import numpy as np
 
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.slots import slot
-from sph.solver.physics.cyclic_pore_pressure import compact, excess_pressure, fails, or_liquefied, softened
+from sph.solver.physics.cyclic_pore_pressure import compact, excess_pressure, fails, mark_liquefied
 from sph.solver.physics.dilation import dilate
 from sph.solver.physics.elasticity import Deviator, Strain, deviator_square, elastic_rate, pressure, scaled, strained
 from sph.solver.physics.failed_solid import yields
@@ -91,15 +91,9 @@ def store_fluid(state: State, i: int, s: Deviator) -> None:
 
 
 @jit
-def _soil_of(terms: Terms, state: State, i: int) -> Material:
-    """Coefficients of particle i as excess pore pressure has left them."""
-    return softened(terms.cyclic_pore_pressure, state, material_of(terms.layers, terms.soil, i), i)
-
-
-@jit
 def blended(state: State, terms: Terms, i: int) -> tuple[float, Deviator]:
     """Pressure and deviator of Eq. 8, Pa."""
-    soil = _soil_of(terms, state, i)
+    soil = material_of(terms.layers, terms.soil, i)
     p = pressure(soil.bulk_modulus, state.density[i], terms.reference_density)
     beta = state.beta[i]
     p_solid = limit_tension(soil.solid, p) if yields(terms.elastic_after_failure, state, i) else p
@@ -189,20 +183,20 @@ def _advance_chunk(surfaces: Surfaces, state: State, pairs: Pairs, terms: Terms,
     half = 0.5 * terms.cell_mass
     internal = 0.0
     for i in rows(first, last):
-        soil = _soil_of(terms, state, i)
+        soil = material_of(terms.layers, terms.soil, i)
         l_xx, l_xy, l_yx, l_yy = velocity_gradient(terms.gradient_correction, pairs, state.density, gradient, i)
         strain = Strain(l_xx, l_yy, 0.5 * (l_xy + l_yx), 0.5 * (l_xy - l_yx) * terms.dt, terms.dt)
         deform(terms.initial_arrangement, state, i, l_xx * terms.dt, l_xy * terms.dt, l_yx * terms.dt, l_yy * terms.dt)
-        strained_density = max(state.density[i] * (1.0 - (l_xx + l_yy) * terms.dt), terms.least_density)
-        density = compact(terms.cyclic_pore_pressure, state, soil, i, strained_density, terms.reference_density, strain, time)
+        compact(terms.cyclic_pore_pressure, terms.layers, state, i, strain, time)
+        density = max(state.density[i] * (1.0 - (l_xx + l_yy) * terms.dt), terms.least_density)
         state.density[i] = density
         p = pressure(soil.bulk_modulus, density, terms.reference_density)
         own_solid, own_fluid = _of_particle(surfaces.solid, soil.solid), _of_particle(surfaces.fluid, soil.fluid)
         rate = elastic_rate(soil.shear_modulus, strain)
         beta = _update_beta(own_fluid, terms, soil, state, i)
         p_fluid, s_fluid = _update_fluid(own_fluid, terms, soil, state, i, p, strain, time)
-        p_solid, s_solid, yielding = _update_solid(own_solid, terms, soil, state, i, p, rate, strain, time)
-        reached[i] = or_liquefied(terms.cyclic_pore_pressure, state, i, yielding)
+        p_solid, s_solid, reached[i] = _update_solid(own_solid, terms, soil, state, i, p, rate, strain, time)
+        mark_liquefied(terms.cyclic_pore_pressure, state, i, reached)
         p_effective, s = blend(beta, p_solid, p_fluid), blend_deviators(beta, s_solid, s_fluid)
         keep_normal_stress(terms.seams, i, p_effective, s)
         water = carried_pressure(terms.pore_pressure, soil, i, beta, p, excess_pressure(terms.cyclic_pore_pressure, state, i), time)
@@ -290,7 +284,7 @@ def elastic_energy(state: State, terms: Terms) -> float:
     total = 0.0
     for i in range(state.x.size):
         p, s = blended(state, terms, i)
-        soil = _soil_of(terms, state, i)
+        soil = material_of(terms.layers, terms.soil, i)
         volume = terms.cell_mass / state.density[i]
         total += volume * (0.5 * p * p / soil.bulk_modulus + 0.25 * deviator_square(s) / soil.shear_modulus)
     return total

@@ -23,7 +23,8 @@ one are left out, as they compact next to nothing.  Steady shear in one directio
 **Liquefaction.** Sand whose r_u or shear strain reaches its limit is liquefied.  It fails then, and not at its yield surface, where it
 yields before without a loss of strength.  Its fluid state then has no friction and the cohesion min(S_r, drained strength at sigma'_v0).
 
-Walls and the soil above water have none of it.  The law counts from the end of the gravity stage.
+Stiffness and strength are changed in the particle's own row of the table of materials (``sph.solver.physics.material``).  Walls and
+the soil above water have none of it.  The law counts from the end of the gravity stage.
 """
 
 from __future__ import annotations
@@ -39,20 +40,24 @@ from sph.scene.soil import Soil
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
+from sph.solver.compiled.threads import own_rows, wait
 from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles, peak_strength
 from sph.solver.physics.elasticity import Deviator, rotate, strained
-from sph.solver.physics.fluid_law import with_shear_modulus
 from sph.solver.physics.kernels import Kernel
-from sph.solver.physics.material import Material
+from sph.solver.physics.material import FLUID_LAWS, Layers, Material
 from sph.solver.physics.mohr_coulomb import MohrCoulomb
 from sph.solver.physics.pore_pressure import effective_overburden, pore_pressure
 from sph.solver.state import ARMED
 
 if TYPE_CHECKING:
+    from sph.solver.compiled.threads import Team
     from sph.solver.physics.elasticity import Strain
     from sph.solver.terms import State
 
+BULK_MODULUS, SHEAR_MODULUS = Material._fields.index("bulk_modulus"), Material._fields.index("shear_modulus")
+FLUID = Material._fields.index("solid") + len(MohrCoulomb._fields)
+"""Columns of the table of materials; ``FLUID`` is the first of the surface of the fluid state, cohesion and sine."""
 RETURN = 0.25
 """Part of the larger of this and the last half cycle by which the strain comes back before it counts as turned."""
 
@@ -65,6 +70,10 @@ class CyclicPorePressure(NamedTuple):
     """(particles with a stress of their own,) C1; 0 where no pressure rises"""
     modulus: np.ndarray
     """the same of M_r at the start, Pa"""
+    shear_modulus: np.ndarray
+    """the same of G at the start, Pa"""
+    law_modulus: int
+    """column of the table in which the law of the fluid state has G; negative where it has none"""
     vertical: np.ndarray
     """the same of sigma'_v0, Pa"""
     residual: np.ndarray
@@ -78,6 +87,8 @@ class CyclicPorePressure(NamedTuple):
     """gamma at liquefaction"""
     start: float
     """end of the gravity stage, s"""
+    density: float
+    """of the scene's own soil, kg/m3"""
 
 
 class CyclicState(NamedTuple):
@@ -102,46 +113,28 @@ def compaction_of(coefficient: float, compaction: float, amplitude: float) -> fl
 
 
 @slot
-def compact(
-    cyclic: CyclicPorePressure | None,
-    state: State,
-    soil: Material,
-    i: int,
-    density: float,
-    reference_density: float,
-    strain: Strain,
-    time: float,
-) -> float:
-    """Density of particle i after its skeleton has unloaded in a step, from that by its strain; raises its excess pore pressure."""
-    return density
+def compact(cyclic: CyclicPorePressure | None, layers: Layers | None, state: State, i: int, strain: Strain, time: float) -> None:
+    """Raise the excess pore pressure of particle i in a step and unload its skeleton, and note whether it has liquefied."""
 
 
 @compact.of(CyclicPorePressure)
-def _compact(
-    cyclic: CyclicPorePressure,
-    state: State,
-    soil: Material,
-    i: int,
-    density: float,
-    reference_density: float,
-    strain: Strain,
-    time: float,
-) -> float:
+def _compact(cyclic: CyclicPorePressure, layers: Layers, state: State, i: int, strain: Strain, time: float) -> None:
     if cyclic.coefficient[i] <= 0.0 or time <= cyclic.start:
-        return density
+        return
     amplitude = follow_shear(state, i, strain)
-    rise = 0.0
     if amplitude > 0.0:
         volumetric = compaction_of(cyclic.coefficient[i], state.compaction[i], amplitude)
         state.compaction[i] += volumetric
         pressure = state.excess_pressure[i] + cyclic.modulus[i] * _stiffness(cyclic, state, i) * volumetric
         rise = min(pressure, cyclic.vertical[i]) - state.excess_pressure[i]
         state.excess_pressure[i] += rise
+        state.density[i] -= cyclic.density * rise / layers.table[layers.layer[i], BULK_MODULUS]
+        soften(cyclic, layers, state, i)
     if cyclic.residual[i] >= 0.0 and state.phase[i] == ARMED and state.liquefied_at[i] < 0.0:
         sheared = 2.0 * math.hypot(state.shear_diff[i], state.shear_xy[i])
         if state.excess_pressure[i] >= cyclic.pressure_ratio * cyclic.vertical[i] or sheared >= cyclic.shear_strain:
             state.liquefied_at[i] = time
-    return density - reference_density * rise / soil.bulk_modulus
+            soften(cyclic, layers, state, i)
 
 
 @jit
@@ -186,37 +179,39 @@ def _excess_pressure(cyclic: CyclicPorePressure, state: State, i: int) -> float:
 
 
 @slot
-def softened(cyclic: CyclicPorePressure | None, state: State, soil: Material, i: int) -> Material:
-    """Coefficients of particle i, from those of its soil."""
-    return soil
+def soften_soil(cyclic: CyclicPorePressure | None, layers: Layers | None, state: State, team: Team) -> None:
+    """Give this thread's particles the coefficients that their excess pore pressure has left them, as the table of a new run has not."""
 
 
-@softened.of(CyclicPorePressure)
-def _softened(cyclic: CyclicPorePressure, state: State, soil: Material, i: int) -> Material:
-    modulus = soil.shear_modulus * _stiffness(cyclic, state, i)
-    cohesion, sine = soil.fluid.cohesion_term, soil.fluid.sine
+@soften_soil.of(CyclicPorePressure)
+def _soften_soil(cyclic: CyclicPorePressure, layers: Layers, state: State, team: Team) -> None:
+    first, last = own_rows(team, cyclic.coefficient.size)
+    for i in range(first, last):
+        soften(cyclic, layers, state, i)
+    wait(team)
+
+
+@jit
+def soften(cyclic: CyclicPorePressure, layers: Layers, state: State, i: int) -> None:
+    """Coefficients of particle i in its row of the table: shear modulus in both states, and the surface of the fluid state."""
+    row = layers.layer[i]
+    modulus = cyclic.shear_modulus[i] * _stiffness(cyclic, state, i)
+    layers.table[row, SHEAR_MODULUS] = modulus
+    if cyclic.law_modulus >= 0:
+        layers.table[row, cyclic.law_modulus] = modulus
     if state.liquefied_at[i] >= 0.0:
-        cohesion, sine = cyclic.residual[i], 0.0
-    return Material(
-        soil.bulk_modulus,
-        modulus,
-        soil.solid,
-        MohrCoulomb(cohesion, sine, soil.fluid.tension_limit),
-        with_shear_modulus(soil.fluid_law, modulus),
-        soil.peak_strain,
-        soil.loss,
-    )
+        layers.table[row, FLUID] = cyclic.residual[i]
+        layers.table[row, FLUID + 1] = 0.0
 
 
 @slot
-def or_liquefied(cyclic: CyclicPorePressure | None, state: State, i: int, yielding: bool) -> bool:
-    """Whether particle i is ``yielding`` or has liquefied."""
-    return yielding
+def mark_liquefied(cyclic: CyclicPorePressure | None, state: State, i: int, reached: np.ndarray) -> None:
+    """Mark particle i among those that have ``reached`` their failure surface if it has liquefied."""
 
 
-@or_liquefied.of(CyclicPorePressure)
-def _or_liquefied(cyclic: CyclicPorePressure, state: State, i: int, yielding: bool) -> bool:
-    return yielding or state.liquefied_at[i] >= 0.0
+@mark_liquefied.of(CyclicPorePressure)
+def _mark_liquefied(cyclic: CyclicPorePressure, state: State, i: int, reached: np.ndarray) -> None:
+    reached[i] = reached[i] or state.liquefied_at[i] >= 0.0
 
 
 @slot
@@ -249,10 +244,13 @@ def _modulus(soil: Soil) -> float:
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> CyclicPorePressure:
     assert scene.water is not None and scene.water.excess_pressure is not None
     wanted, stressed = scene.water.excess_pressure, slice(0, particles.first_no_slip)
+    law = FLUID_LAWS[scene.coupling.fluid.law].record._fields  # type: ignore[attr-defined]
     layer, sand, limits = particles.layer[stressed], can_liquefy(scene, particles)[stressed], wanted.liquefaction
     return CyclicPorePressure(
         coefficient=np.where(sand, np.array([_coefficient(soil) for soil in scene.soils])[layer], 0.0),
         modulus=np.array([_modulus(soil) for soil in scene.soils])[layer],
+        shear_modulus=np.array([float(soil.shear_modulus_si) for soil in scene.soils])[layer],
+        law_modulus=FLUID + len(MohrCoulomb._fields) + law.index("shear_modulus") if "shear_modulus" in law else -1,
         vertical=effective_overburden(scene, particles.x[stressed], particles.y[stressed]),
         residual=np.full(layer.size, -1.0) if limits is None else residual_strength(scene, particles, limits.strength)[stressed],
         exponent=float(wanted.stiffness_exponent),
@@ -260,6 +258,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Cycl
         pressure_ratio=math.inf if limits is None else float(limits.r_u),
         shear_strain=math.inf if limits is None else float(limits.shear_strain),
         start=float(scene.gravity.duration),
+        density=float(scene.soil.density),
     )
 
 
@@ -295,6 +294,15 @@ def _residual(soil: Soil, law: str, vertical: np.ndarray) -> np.ndarray:
 def _start(scene: Scene, particles: Particles) -> CyclicState:
     n = particles.x.size
     return CyclicState(*(np.full(n, -1.0) if name == "liquefied_at" else np.zeros(n) for name in CyclicState._fields))
+
+
+def pressure_ratio(cyclic: CyclicPorePressure | None, state: State) -> np.ndarray:
+    """r_u (n,) of the particles of a run; 0 where no pressure rises."""
+    found = np.zeros(state.x.size)
+    if cyclic is not None:
+        sand = np.flatnonzero(cyclic.coefficient)
+        found[sand] = state.excess_pressure[sand] / cyclic.vertical[sand]
+    return found
 
 
 TERM = Term(

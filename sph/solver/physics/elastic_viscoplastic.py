@@ -16,7 +16,7 @@ import numpy as np
 
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.physics.elasticity import elastic_rate, scaled, strained
-from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator, with_shear_modulus
+from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator
 from sph.solver.physics.yield_surface import shear_demand, strength
 
 if TYPE_CHECKING:
@@ -43,11 +43,6 @@ def _deviator(law: ElasticViscoplastic, surface: MohrCoulomb, p: float, s: Devia
     if demand > yield_stress:
         factor = (yield_stress + theta * demand) / ((1.0 + theta) * demand)
     return scaled(trial, factor)
-
-
-@with_shear_modulus.of(ElasticViscoplastic)
-def _with_shear_modulus(law: ElasticViscoplastic, shear_modulus: float) -> ElasticViscoplastic:
-    return ElasticViscoplastic(shear_modulus, law.viscosity)
 
 
 @with_numbers.of(ElasticViscoplastic)

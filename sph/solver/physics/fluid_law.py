@@ -33,9 +33,3 @@ class FluidLaw(NamedTuple):
 def fluid_deviator(law: Any, surface: MohrCoulomb, p: float, s: Deviator, strain: Strain) -> Deviator:
     """New deviator (Pa) of the fluid state after a step, from its pressure p and deviator s (Pa)."""
     raise NotImplementedError
-
-
-@slot
-def with_shear_modulus(law: Any, shear_modulus: float) -> Any:
-    """The law of soil with another shear modulus, Pa."""
-    raise NotImplementedError

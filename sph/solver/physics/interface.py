@@ -50,7 +50,6 @@ from sph.solver.compiled.threads import wait
 from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles, overburden
 from sph.solver.physics.artificial_viscosity import dissipation
-from sph.solver.physics.cyclic_pore_pressure import softened
 from sph.solver.physics.elasticity import pressure
 from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.kernels import Kernel
@@ -149,8 +148,7 @@ def weigh_soils(interface: Interface | None, terms: Terms, state: State, pairs: 
 def _weigh_soils(interface: Interface, terms: Terms, state: State, pairs: Pairs, first: int, last: int, team: Team) -> None:
     for i in range(first, min(last, terms.n_soil)):
         if pairs.alike_end[i] < pairs.end[i]:
-            soil = softened(terms.cyclic_pore_pressure, state, material_of(terms.layers, terms.soil, i), i)
-            beta = state.beta[i]
+            soil, beta = material_of(terms.layers, terms.soil, i), state.beta[i]
             interface.cohesion[i] = beta * soil.solid.cohesion_term + (1.0 - beta) * soil.fluid.cohesion_term
             interface.sine[i] = beta * soil.solid.sine + (1.0 - beta) * soil.fluid.sine
             interface.pressure[i] = max(pressure(soil.bulk_modulus, state.density[i], terms.reference_density), 0.0)
