@@ -55,6 +55,7 @@ class Sample:
             coefficient=volume_coefficient(blow_count) * one,
             modulus=2000.0 * 200.0**2 * 3.5 * one,  # K + 4/3 G for a Poisson's ratio of 0.3
             shear_modulus=self.soil.shear_modulus * one,
+            fluid=np.array([self.soil.fluid[:2]]),
             law_modulus=8,
             vertical=VERTICAL * one,
             residual=residual * one,

@@ -43,6 +43,7 @@ from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import own_rows, wait
 from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles, peak_strength
+from sph.solver.physics import material
 from sph.solver.physics.elasticity import Deviator, rotate, strained
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.material import FLUID_LAWS, Layers, Material
@@ -72,6 +73,8 @@ class CyclicPorePressure(NamedTuple):
     """the same of M_r at the start, Pa"""
     shear_modulus: np.ndarray
     """the same of G at the start, Pa"""
+    fluid: np.ndarray
+    """(..., 2) the same of the surface of the fluid state before liquefaction: c cos(phi), Pa, and sin(phi)"""
     law_modulus: int
     """column of the table in which the law of the fluid state has G; negative where it has none"""
     vertical: np.ndarray
@@ -199,9 +202,9 @@ def soften(cyclic: CyclicPorePressure, layers: Layers, state: State, i: int) -> 
     layers.table[row, SHEAR_MODULUS] = modulus
     if cyclic.law_modulus >= 0:
         layers.table[row, cyclic.law_modulus] = modulus
-    if state.liquefied_at[i] >= 0.0:
-        layers.table[row, FLUID] = cyclic.residual[i]
-        layers.table[row, FLUID + 1] = 0.0
+    liquefied = state.liquefied_at[i] >= 0.0
+    layers.table[row, FLUID] = cyclic.residual[i] if liquefied else cyclic.fluid[i, 0]
+    layers.table[row, FLUID + 1] = 0.0 if liquefied else cyclic.fluid[i, 1]
 
 
 @slot
@@ -244,12 +247,14 @@ def _modulus(soil: Soil) -> float:
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> CyclicPorePressure:
     assert scene.water is not None and scene.water.excess_pressure is not None
     wanted, stressed = scene.water.excess_pressure, slice(0, particles.first_no_slip)
+    table = material.TERM.make(scene, particles, kernel, dt).table[stressed]
     law = FLUID_LAWS[scene.coupling.fluid.law].record._fields  # type: ignore[attr-defined]
     layer, sand, limits = particles.layer[stressed], can_liquefy(scene, particles)[stressed], wanted.liquefaction
     return CyclicPorePressure(
         coefficient=np.where(sand, np.array([_coefficient(soil) for soil in scene.soils])[layer], 0.0),
         modulus=np.array([_modulus(soil) for soil in scene.soils])[layer],
-        shear_modulus=np.array([float(soil.shear_modulus_si) for soil in scene.soils])[layer],
+        shear_modulus=table[:, SHEAR_MODULUS].copy(),
+        fluid=table[:, FLUID : FLUID + 2].copy(),
         law_modulus=FLUID + len(MohrCoulomb._fields) + law.index("shear_modulus") if "shear_modulus" in law else -1,
         vertical=effective_overburden(scene, particles.x[stressed], particles.y[stressed]),
         residual=np.full(layer.size, -1.0) if limits is None else residual_strength(scene, particles, limits.strength)[stressed],
