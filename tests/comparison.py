@@ -25,8 +25,13 @@ VARIANTS = {
         "numerics.reference": "initial",
         "numerics.interfaces": "weaker",
         "soil.youngs_modulus": 5e4,
-        "water": {"pressure": "carried", "r_u": 0.05},
-        "layers": {"weak": {"region": {"kind": "depth", "bottom": 8.0}, "soil": {"cohesion": 100.0, "friction_angle": 18.0}}},
+        "water": {"pressure": "carried", "r_u": 0.05, "excess_pressure": {"liquefaction": {}}},
+        "layers": {
+            "weak": {
+                "region": {"kind": "depth", "bottom": 8.0},
+                "soil": {"cohesion": 100.0, "friction_angle": 18.0, "blow_count": 5.0},
+            }
+        },
         "seams": {
             "clay": {
                 "points": [[30.0, 2.0], [105.0, 24.0]],

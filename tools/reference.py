@@ -58,7 +58,7 @@ from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene, load_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
-from sph.storage.trajectory import VARIABLES, Status, Variable
+from sph.storage.trajectory import OPTIONAL, VARIABLES, Status, Variable
 from sph.study.dimensions import SHORT_NAMES, dimension, named_sections, sections
 from sph.study.machine import duration
 from sph.study.preflight import PREFLIGHT
@@ -563,7 +563,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_robustness()))),
     "findings": lambda: Reference(("code", "severity", "meaning"), list(finding_lines())),
     "preflight_variables": lambda: _variables(PREFLIGHT),
-    "trajectory": lambda: _variables(VARIABLES),
+    "trajectory": lambda: _variables((*VARIABLES, *OPTIONAL)),
     "metrics": lambda: _variables(VALUES),
     "convergence": lambda: _variables(CONVERGENCE),
     "claims": lambda: Reference(CLAIM_HEAD, list(claim_lines())),

@@ -6,12 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from sph.checks.finding import Finding, finding
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
+from sph.solver.particles import place_particles
+from sph.solver.physics.cyclic_pore_pressure import can_liquefy
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,6 +79,22 @@ def thin_debris(scene: Scene, runout: float, thickness: float) -> list[Finding]:
     return [finding("thin-debris", "numerics.spacing", value=thickness / spacing, bound=THICK, runout=runout)]
 
 
+def liquefied(run: Run) -> list[Finding]:
+    """A finding for each layer of whose sand below water some has liquefied."""
+    scene = run.scene
+    if scene.water is None or scene.water.excess_pressure is None or scene.water.excess_pressure.liquefaction is None:
+        return []
+    particles, found = place_particles(scene), []
+    sand = can_liquefy(scene, particles)
+    for number, name in enumerate(("soil", *scene.layers)):
+        times = run["t_f"][sand & (particles.layer == number)]
+        failed = times[np.isfinite(times)]
+        if failed.size:
+            first, middle = float(failed.min()), float(np.median(failed))
+            found.append(finding("liquefied", subject=name, share=failed.size / times.size, first=first, middle=middle))
+    return found
+
+
 def after_run(scene: Scene, values: Mapping[str, Value]) -> list[Finding]:
     """All findings of a run by its metrics."""
     met = debris_at_wall(scene, str(values["reached_side"]), float(values["reached_side_time"]))
@@ -91,4 +111,5 @@ def found_after(run: Run) -> list[Finding]:
         *debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0)),
         *thin_debris(scene, debris.get("runout", math.nan), debris.get("deposit_thickness", math.nan)),
         *energy_open(energy_error(run)),
+        *liquefied(run),
     ]

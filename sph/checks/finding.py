@@ -30,6 +30,10 @@ Numbers = Mapping[str, Any]
 ERROR, WARNING, NOTE = Severity
 
 
+def _where_below(numbers: Numbers) -> Severity:
+    return WARNING if numbers["value"] < numbers["bound"] else NOTE
+
+
 def _where_bounded(numbers: Numbers) -> Severity:
     return WARNING if "bound" in numbers else NOTE
 
@@ -61,6 +65,8 @@ SEVERITIES: dict[str, Severity | Callable[[Numbers], Severity]] = {
     "damping-off-frequency": WARNING,
     "vertical-unused": NOTE,
     "level-ground-fails": NOTE,
+    "liquefaction": _where_below,
+    "cyclic-softening": _where_below,
     "short-waves": WARNING,
     "sparse-series": WARNING,
     "few-particles": WARNING,
@@ -90,6 +96,7 @@ SEVERITIES: dict[str, Severity | Callable[[Numbers], Severity]] = {
     "debris-at-wall": WARNING,
     "thin-debris": WARNING,
     "energy-open": WARNING,
+    "liquefied": NOTE,
     "other-slope": WARNING,
     "slope-to-side": WARNING,
     "time-step": WARNING,

@@ -59,6 +59,12 @@ class _Units(string.Formatter):
 
 # ---------------------------------------------------------------- texts that numbers choose
 
+
+def _simplified(of: Numbers) -> str:
+    part = ", below 1 in {share:.0f %} of it" if of["share"] > 0.0 else ""
+    return f"factor of safety {{value:.2f}} at a depth of {{depth:.3g}} m{part}; as level ground, magnitude {{magnitude:g}}, {{peak:m/s2}}"
+
+
 TEXTS: dict[str, Callable[[float, float], str]] = {
     "factor-of-safety": "{:.2f} ± {:.2f}".format,
     "yield-acceleration": in_both,
@@ -416,6 +422,23 @@ MESSAGES: dict[str, Message] = {
         ),
         "in every column, which needs a thickness of at least {spacing:.3g} m; or describe it as a seam",
         meaning="a layer that is continuous in the scene becomes separate particles, or none at all",
+    ),
+    "liquefaction": Message(
+        lambda of: "{subject} liquefies in the earthquake" if of["value"] < of["bound"] else "{subject} does not liquefy in the earthquake",
+        _simplified,
+        "at least {bound:g}; or let the run raise its pore pressure (water.excess_pressure)",
+        meaning="least factor of safety of sand against liquefaction, (Boulanger and Idriss 2014), with --magnitude",
+    ),
+    "liquefied": Message(
+        "{subject} has liquefied",
+        "{share:.0f %} of its sand below water, half of that by {middle:.3g} s, the first at {first:.3g} s",
+        meaning="share of the sand of a layer that has liquefied in a run, with water.excess_pressure.liquefaction",
+    ),
+    "cyclic-softening": Message(
+        lambda of: "{subject}, clay, softens in the earthquake" if of["value"] < of["bound"] else "{subject}, clay, keeps its strength",
+        _simplified,
+        "at least {bound:g}; or give its strength after the cycles",
+        meaning="least factor of safety of clay against cyclic softening (Boulanger and Idriss 2007), with --magnitude",
     ),
     "thin-layer": Message("{subject} is thin", "{value:g} particles across", "at least {bound:g}", meaning="few particles across a layer"),
     "weak-on-strong": Message(

@@ -17,8 +17,8 @@ from sph.scene.gravity import FAILED_AREA, UniformStress
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.scene.uncertain import STEEPEST
-from sph.solver.initial_stress import effective_overburden
 from sph.solver.particles import Particles, peak_strength
+from sph.solver.physics.pore_pressure import effective_overburden
 
 DENSITIES = 1000.0, 3000.0
 """Usual densities of soil and rock, kg/m3: from loose or organic soil to dense rock."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sph.checks.equilibrium import equilibrium_numbers, found_equilibrium, slip_at_base, without_surface
 from sph.checks.finding import Finding
 from sph.checks.layers import Layer, layers_of, seam_rows
+from sph.checks.liquefaction import of_liquefaction
 from sph.checks.messages import factor_words, line, record, yield_words
 from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
@@ -41,8 +42,13 @@ class Check(NamedTuple):
     findings: list[Finding]
 
 
-def answer(path: Path, changes: Mapping[str, Any], plot: Path | None, study: Path | None, static: bool, as_json: bool) -> str:
-    """The summary and the findings of the scene in a file, with changes; its picture, with the places of a study, where asked for."""
+def answer(
+    path: Path, changes: Mapping[str, Any], plot: Path | None, study: Path | None, static: bool, magnitude: float | None, as_json: bool
+) -> str:
+    """The summary and the findings of the scene in a file, with changes; its picture, with the places of a study, where asked for.
+
+    With a magnitude also whether such an earthquake liquefies or softens its layers.
+    """
     scene, inputs = read_given(path, changes)
     if plot is not None:
         check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
@@ -52,7 +58,8 @@ def answer(path: Path, changes: Mapping[str, Any], plot: Path | None, study: Pat
         from sph.figures.style import save
 
         save(draw(found, places), plot)
-    facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + found.findings
+    liquefied = [] if magnitude is None else of_liquefaction(scene, found.particles, magnitude)
+    facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + liquefied + found.findings
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
         return to_json({"rows": dict(facts), "layers": named, "findings": [record(each) for each in told]}, indent=1)

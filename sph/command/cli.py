@@ -189,12 +189,21 @@ def check(
             help="also test whether the slope stands without shaking, and find its factor of safety and yield acceleration; takes minutes",
         ),
     ] = False,
+    magnitude: Annotated[
+        float | None,
+        typer.Option(
+            help="moment magnitude of the earthquake, for factors of safety of sand with a blow count against liquefaction and of clay "
+            "against cyclic softening",
+            min=4.0,
+            max=10.0,
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> Told:
     """Check a scene before it is run: a table, a drawing, and findings on what may spoil its results."""
     from sph.command.check import answer
 
-    return answer(scene, parse_settings(set_), plot, study, static, as_json)
+    return answer(scene, parse_settings(set_), plot, study, static, magnitude, as_json)
 
 
 @command("Examples:  sph plot slide.nc  |  sph plot slide.nc --field speed --time 6", "reading the trajectory and drawing it")

@@ -21,7 +21,7 @@ from sph.scene.natural_periods import strata_at
 from sph.scene.places import Point
 from sph.scene.schema import Scene
 from sph.scene.units import GRAVITY, in_both
-from sph.solver.initial_stress import effective_overburden
+from sph.solver.physics.pore_pressure import effective_overburden
 
 MAX_STRAIN = 0.05
 """Shear strain beyond which the method says nothing."""

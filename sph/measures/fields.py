@@ -55,12 +55,18 @@ def _mean_pressure(run: Run, frame: int) -> np.ndarray:
     return -1e-3 * sum(run[f"stress_{axes}"][frame] for axes in ("xx", "yy", "zz")) / 3.0
 
 
+def _pressure_ratio(run: Run, frame: int) -> np.ndarray:
+    """That of a run without excess pore pressure is 0 everywhere."""
+    return run["pore_pressure_ratio"][frame] if "pore_pressure_ratio" in run.stored else np.zeros(run["y0"].shape)
+
+
 FIELDS: dict[str, Field] = {
     "initial_height": Field("initial elevation", "m", _initial_height),
     "displacement": Field("displacement since the gravity stage", "m", _displacement_magnitude),
     "speed": Field("speed relative to the box", "m/s", _speed),
     "beta": Field("weight of the solid state β", "-", _beta),
     "pressure": Field("mean pressure", "kPa", _mean_pressure),
+    "pore_pressure_ratio": Field("excess pore pressure ratio r_u", "-", _pressure_ratio),
     "mobilised": Field("mobilised share of the peak strength", "-", mobilised),
 }
 

@@ -15,7 +15,7 @@ from sph.checks.after_run import is_braked, is_lower_bound, is_open
 from sph.experiments.variants.advice import percent
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.schema import Scene
-from sph.scene.soil import Soil
+from sph.scene.soil import LIQUEFIES, Soil
 from sph.scene.units import beside_g
 from sph.scene.walls import wall_words
 from sph.storage.trajectory import Variable
@@ -205,7 +205,9 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
     fields = {
         name: str((field.json_schema_extra or {}).get("unit", "-"))  # type: ignore[union-attr]
         for name, field in Soil.model_fields.items()
-        if not field.exclude and (name != "cohesion_growth" or any(soil.gradient for soil in scene.soils))
+        if not field.exclude
+        and (name != "cohesion_growth" or any(soil.gradient for soil in scene.soils))
+        and (name not in LIQUEFIES or any(getattr(soil, name) is not None for soil in scene.soils))
     }
     rows = []
     for material, layer in zip(scene.materials, (None, *scene.layers.values()), strict=True):

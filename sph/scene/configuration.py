@@ -31,6 +31,11 @@ def key(text: str, unit: str = "-", source: str = "ours", **constraints: Any) ->
     return Field(description=text, json_schema_extra={"unit": unit, "source": source}, **constraints)
 
 
+def without_unnamed(section: Section, stored: dict[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """What is stored of a section without those of these keys that are null and that nobody named."""
+    return {name: value for name, value in stored.items() if value is not None or name not in names or name in section.model_fields_set}
+
+
 CONTENT_KEYS = ("points", "data")
 """Keys whose values may stand in a file instead, named by the key ``file`` beside them."""
 

@@ -335,6 +335,11 @@ class Scene(Section):
         """Whether soil of one kind has another strength from place to place: by a random field, or since it grows with depth."""
         return bool(self.varying) or any(soil.gradient for soil in self.soils)
 
+    @property
+    def softens_by_pressure(self) -> bool:
+        """Whether excess pore pressure changes the stiffness and strength of particles."""
+        return self.water is not None and self.water.excess_pressure is not None
+
     def stored(self) -> str:
         """The scene as JSON: all its keys, but of a layer's soil those that it names, so that what is laid over the scene reaches it."""
 

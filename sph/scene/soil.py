@@ -9,8 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from sph.scene.configuration import Section, key
+from sph.scene.configuration import Section, key, without_unnamed
+from sph.scene.liquefaction import blow_count_of_density
 from sph.scene.places import Coordinate
+
+LIQUEFIES = ("blow_count", "relative_density", "fines_content", "rebound_modulus", "liquefied_strength", "liquefied_strength_ratio")
+"""Keys of sand that can liquefy."""
 
 
 class CohesionGrowth(Section):
@@ -102,6 +106,42 @@ class Soil(Section):
         le=20,
         default=None,
     )
+    blow_count: float | None = key(
+        "(N1)60, the blow count of the standard penetration test at 60 % energy and 1 atm, of sand below water whose pore pressure cyclic "
+        "shear raises (water.excess_pressure); null: no such soil",
+        source="Byrne 1991",
+        ge=1,
+        le=60,
+        default=None,
+    )
+    relative_density: float | None = key(
+        "relative density of such sand, instead of a blow count", "%", "Byrne 1991", ge=15, le=120, default=None
+    )
+    fines_content: float | None = key(
+        "fines of such sand, which count as more blows, at their own rate for pore pressure and for residual strength; null: none",
+        "%",
+        "Idriss and Boulanger 2008; Seed 1987",
+        ge=0,
+        le=100,
+        default=None,
+    )
+    rebound_modulus: float | None = key(
+        "constrained modulus of such sand in unloading, at its initial stress: excess pore pressure per volumetric strain of drained "
+        "cycles; null: that of its elastic skeleton, K + 4/3 G",
+        "kPa",
+        "Martin et al. 1975",
+        gt=0,
+        le=1e9,
+        default=None,
+    )
+    liquefied_strength: float | None = key(
+        "residual strength of such sand once liquefied; null: by water.excess_pressure.liquefaction.strength",
+        "kPa",
+        gt=0,
+        le=1e6,
+        default=None,
+    )
+    liquefied_strength_ratio: float | None = key("the same as a ratio to the initial vertical effective stress", gt=0, le=1, default=None)
 
     @model_validator(mode="after")
     def _computed(self) -> Soil:
@@ -113,11 +153,41 @@ class Soil(Section):
 
     @model_serializer(mode="wrap")
     def _stored(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without a growth of cohesion that nobody named, so that what is stored of other scenes stays as it was."""
+        """Without what later versions added and nobody named, so that what is stored of other scenes stays as it was."""
         stored: dict[str, Any] = handler(self)
-        if self.cohesion_growth is None and "cohesion_growth" not in self.model_fields_set:
-            stored.pop("cohesion_growth", None)
-        return stored
+        return without_unnamed(self, stored, ("cohesion_growth", *LIQUEFIES))
+
+    @model_validator(mode="after")
+    def _one_density(self) -> Soil:
+        if self.blow_count is not None and self.relative_density is not None:
+            raise ValueError(
+                f"relative_density: {self.relative_density:g} % beside blow_count: {self.blow_count:g}; write one of them, and null for "
+                "the other where a layer takes it over"
+            )
+        unused = [name for name in LIQUEFIES[2:] if getattr(self, name) is not None]
+        if unused and not self.can_liquefy:
+            raise ValueError(f"{unused[0]}: {getattr(self, unused[0]):g} needs a blow_count or a relative_density beside it")
+        if self.liquefied_strength is not None and self.liquefied_strength_ratio is not None:
+            raise ValueError(
+                f"liquefied_strength_ratio: {self.liquefied_strength_ratio:g} beside liquefied_strength: {self.liquefied_strength:g} kPa; "
+                "write one of them"
+            )
+        if self.can_liquefy and self.friction_angle == 0:
+            raise ValueError("blow_count, relative_density: of soil without friction_angle, whose strength no pore pressure changes")
+        return self
+
+    @property
+    def can_liquefy(self) -> bool:
+        """Whether cyclic shear raises its pore pressure, below water."""
+        return self.blow_count is not None or self.relative_density is not None
+
+    @property
+    def equivalent_blow_count(self) -> float:
+        """(N1)60 as it is written, or for the relative density."""
+        if self.blow_count is not None:
+            return self.blow_count
+        assert self.relative_density is not None
+        return blow_count_of_density(self.relative_density)
 
     @model_validator(mode="after")
     def _at_rest(self) -> Soil:

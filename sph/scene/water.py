@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from sph.scene.configuration import FileSection, key
+from sph.scene.configuration import FileSection, Section, key, without_unnamed
 from sph.scene.geometry import Geometry
+from sph.scene.liquefaction import LARGEST_KRAMER_WANG, clean_sand_residual
 from sph.scene.places import Coordinate, Point, Shape
 from sph.scene.survey import check_line, read_line
 
@@ -28,6 +29,36 @@ PRESSURES = {
 }
 """Whose the pore pressure is, and which soil that suits."""
 Ratio = Annotated[float, Field(ge=0, lt=1)]
+
+
+class Liquefaction(Section):
+    """When sand has liquefied, and the strength that it then keeps, whatever its stress: min(S_r, drained strength)."""
+
+    r_u: float = key(
+        "excess pore pressure over the initial vertical effective stress from which on sand is liquefied", gt=0, le=1, default=0.7
+    )
+    shear_strain: float = key(
+        "shear strain since the gravity stage, 2 sqrt(e_xy^2 + (e_xx - e_yy)^2/4), that also makes it so", gt=0, le=1, default=0.08
+    )
+    strength: Literal["idriss_boulanger", "idriss_boulanger_no_redistribution", "kramer_wang"] = key(
+        "residual strength S_r by the blow count, where the soil gives no number: idriss_boulanger, a ratio to the initial vertical "
+        "effective stress; no_redistribution, the same where void redistribution cannot matter, without a less pervious layer on top; "
+        "kramer_wang, up to (N1)60 = 15",
+        source="Idriss and Boulanger 2008; Kramer and Wang 2015",
+        default="idriss_boulanger",
+    )
+
+
+class ExcessPressure(Section):
+    """Excess pore pressure of undrained sand by cyclic shear, where its soil has a blow count or a relative density."""
+
+    stiffness_exponent: float = key(
+        "shear and rebound modulus fall as (1 - r_u) to this power; 0: they stay", source="Finn et al. 1977", ge=0, le=1, default=0.5
+    )
+    least_stiffness: float = key("least share of these moduli that is left", gt=0, le=1, default=0.1)
+    liquefaction: Liquefaction | None = key(
+        "sand that liquefies fails then and only then, and keeps its residual strength; null: it fails as other soil does", default=None
+    )
 
 
 class Water(FileSection):
@@ -48,6 +79,9 @@ class Water(FileSection):
         "pore pressure ratio: u over the total vertical stress in the initial slope; a layer may have its own", "-", default=None
     )
     unit_weight: float = key("unit weight of water, for a level or a line", "kN/m3", gt=0, le=100, default=9.81)
+    excess_pressure: ExcessPressure | None = key(
+        "pore pressure that cyclic shear raises in loose sand, with pressure: carried; null: none", default=None
+    )
 
     @classmethod
     def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -61,6 +95,11 @@ class Water(FileSection):
             choices = "; or ".join(f"pressure: {name} ({text})" for name, text in PRESSURES.items())
             raise ValueError(f"pressure: must be given, since it decides the strength of moving soil: {choices}")
         return keys
+
+    @model_serializer(mode="wrap")
+    def _stored(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without an excess pressure that nobody named, so that what is stored of other scenes stays as it was."""
+        return without_unnamed(self, handler(self), ("excess_pressure",))
 
     @model_validator(mode="after")
     def _sound(self) -> Water:
@@ -120,6 +159,7 @@ def check_water(scene: Scene) -> None:
     for name, layer in scene.layers.items():
         if layer.r_u is not None and (water is None or water.r_u is None):
             raise ValueError(f"layers.{name}.r_u: {layer.r_u} needs water.r_u, the ratio of the other soil (0 where that is dry)")
+    _check_excess_pressure(scene)
     if water is None:
         return
     if scene.gravity.acceleration == 0:
@@ -161,3 +201,37 @@ def check_water(scene: Scene) -> None:
             f"water.pressure: carried with water that stands up to {depth:.3g} m above the ground, whose load on the ground "
             "is known for by_place only; lower the water to the ground or write pressure: by_place"
         )
+
+
+def _check_excess_pressure(scene: Scene) -> None:
+    """Refuse excess pore pressure that nothing would raise, and keys of sand that can liquefy without it."""
+    wanted = None if scene.water is None else scene.water.excess_pressure
+    sands = [(path, soil) for path, soil in zip(scene.soil_keys, scene.soils, strict=True) if soil.can_liquefy]
+    if wanted is None:
+        for path, soil in sands:
+            name = "blow_count" if soil.blow_count is not None else "relative_density"
+            raise ValueError(
+                f"{path}.{name}: {getattr(soil, name):g} needs water.excess_pressure; write it ({{}} for its defaults) or null"
+            )
+        return
+    assert scene.water is not None
+    if scene.water.pressure != "carried":
+        raise ValueError(
+            f"water.excess_pressure: with water.pressure: {scene.water.pressure}, of soil whose water flows off; write pressure: carried"
+        )
+    if not sands:
+        raise ValueError("water.excess_pressure: needs a soil or a layer with blow_count or relative_density, whose pressure rises")
+    numbers = [path for path, soil in sands if soil.liquefied_strength is not None or soil.liquefied_strength_ratio is not None]
+    if wanted.liquefaction is None:
+        if numbers:
+            raise ValueError(f"{numbers[0]}.liquefied_strength: needs water.excess_pressure.liquefaction; write it ({{}} for its defaults)")
+        return
+    if scene.coupling.initial_state == "fluid":
+        raise ValueError("water.excess_pressure.liquefaction: with coupling.initial_state: fluid all soil has failed; write null")
+    for path, soil in sands:
+        blows = clean_sand_residual(soil.equivalent_blow_count, soil.fines_content or 0.0)
+        if wanted.liquefaction.strength == "kramer_wang" and path not in numbers and blows > LARGEST_KRAMER_WANG:
+            raise ValueError(
+                f"water.excess_pressure.liquefaction.strength: kramer_wang holds up to (N1)60 = {LARGEST_KRAMER_WANG:g}, and {path} has "
+                f"{blows:.3g} with its fines; write idriss_boulanger, or its liquefied_strength or liquefied_strength_ratio"
+            )

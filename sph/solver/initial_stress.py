@@ -23,8 +23,8 @@ from sph.scene.gravity import UniformStress
 from sph.scene.loading import Loading
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
-from sph.solver.particles import Particles, overburden, peak_strength
-from sph.solver.physics.pore_pressure import pore_pressure
+from sph.solver.particles import Particles, peak_strength
+from sph.solver.physics.pore_pressure import effective_overburden
 from sph.solver.terms import State
 
 NO_LOADING = Loading(*(np.zeros(1) for _ in Loading._fields))
@@ -40,12 +40,6 @@ def impose_stress(state: State, scene: Scene, particles: Particles, n_stressed: 
         state.density_pairs[:] = state.density
     elif wanted == "geostatic":
         _impose_geostatic_stress(state, scene, particles, n_stressed)
-
-
-def effective_overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Vertical effective stress (n,) of the soil above places (n,) of the initial slope, Pa, compression positive; never tension."""
-    vertical = scene.gravity.acceleration * overburden(scene, x, y)
-    return vertical if scene.water is None else np.maximum(vertical - pore_pressure(scene, x, y), 0.0)
 
 
 def greatest_stress(scene: Scene, particles: Particles) -> list[float]:

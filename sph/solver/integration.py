@@ -29,6 +29,7 @@ from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import BLOCK, own_blocks, own_rows, wait
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
+from sph.solver.physics.cyclic_pore_pressure import soften_soil
 from sph.solver.physics.interface import weigh_soils
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import PrescribedMotion, drive
@@ -220,6 +221,7 @@ def advance(
     """
     failed = done = 0
     found = HOLD
+    soften_soil(terms.cyclic_pore_pressure, terms.layers, state, team)
     for s in range(step, step + n_steps):
         sums = team.sums[s % 2]  # those of one step are added up while other threads are already at the next
         if kicked and s == step:

@@ -10,6 +10,7 @@ import numpy as np
 from sph.scene.schema import Scene
 from sph.solver.early_stop import quiet_from
 from sph.solver.particles import locate_probes
+from sph.solver.physics.cyclic_pore_pressure import pressure_ratio
 from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
 from sph.storage import trajectory
@@ -24,6 +25,7 @@ class Recording:
         self.probes = locate_probes(simulation.scene, simulation.particles)
         self.landmarks = landmarks(simulation.scene)
         self.frames: dict[str, list[np.ndarray]] = {v.name: [] for v in trajectory.VARIABLES if v.dims[0] == "frame"}
+        self.frames |= {} if simulation.terms.cyclic_pore_pressure is None else {"pore_pressure_ratio": []}
         self.series: dict[str, list[Any]] = {v.name: [] for v in trajectory.VARIABLES if v.dims[0] == "sample"}
 
     def is_regular(self) -> bool:
@@ -86,6 +88,7 @@ class Recording:
             "density": state.density * (simulation.particles.mass / simulation.terms.cell_mass),
             "beta": state.beta,
             "failed": state.phase == FAILED,
+            "pore_pressure_ratio": pressure_ratio(simulation.terms.cyclic_pore_pressure, state),
         }
         for name, values in self.frames.items():
             values.append(np.array(frame[name], dtype=trajectory.BY_NAME[name].dtype))

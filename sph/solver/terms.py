@@ -24,6 +24,7 @@ from sph.solver.particles import Particles
 from sph.solver.physics import (
     artificial_stress,
     artificial_viscosity,
+    cyclic_pore_pressure,
     dilation,
     failed_solid,
     gradient_correction,
@@ -66,6 +67,7 @@ TERMS: tuple[Term, ...] = (
     contact.TERM,
     seepage.TERM,
     pore_pressure.TERM,
+    cyclic_pore_pressure.TERM,
     residual_viscosity.TERM,
     dilation.TERM,
     slip.TERM,

@@ -97,7 +97,11 @@ VARIABLES: tuple[Variable, ...] = (
     Variable("failed_fraction", SERIES, "f8", "1", "failed soil particles over all soil particles"),
     Variable("maximum_speed", SERIES, "f8", "m s-1", "largest speed of a soil particle relative to the box"),
 )
-BY_NAME = {variable.name: variable for variable in VARIABLES}
+OPTIONAL: tuple[Variable, ...] = (
+    Variable("pore_pressure_ratio", FRAME, "f4", "1", "excess pore pressure over the initial vertical effective stress"),
+)
+"""Stored where the scene has the term that makes them: ``water.excess_pressure``."""
+BY_NAME = {variable.name: variable for variable in (*VARIABLES, *OPTIONAL)}
 
 
 class Status(StrEnum):
@@ -126,10 +130,10 @@ PACKAGES = ("numpy", "numba", "llvmlite", "xarray", "netCDF4", "pydantic")
 
 
 def assembled(arrays: Mapping[str, np.ndarray], probes: list[str], attrs: Mapping[str, Any]) -> Group:
-    """A trajectory of the variables in ``VARIABLES``; ``arrays`` must hold every one of them."""
+    """A trajectory of the variables in ``VARIABLES``, every one of which ``arrays`` must hold, and those in ``OPTIONAL`` that it holds."""
     found = {
         name: Array(dims, np.asarray(arrays[name]).astype(dtype, copy=False), {"units": units, "long_name": text})
-        for name, dims, dtype, units, text in VARIABLES
+        for name, dims, dtype, units, text in (*VARIABLES, *(variable for variable in OPTIONAL if variable.name in arrays))
     }
     return Group(found | {"probe": Array(("probe",), np.array(probes))}, attrs, ("time", "sample_time", "probe"))
 

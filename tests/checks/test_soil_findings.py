@@ -16,8 +16,8 @@ from sph.checks.scene import findings
 from sph.checks.soil import MAX_TANGENT, USED_UP, at_rest, of_rest, of_soils
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
-from sph.solver.initial_stress import effective_overburden
 from sph.solver.particles import place_particles
+from sph.solver.physics.pore_pressure import effective_overburden
 
 OWN: dict[str, Any] = {
     "name": "own",

@@ -45,11 +45,11 @@ def test_it_grows_with_gravity_and_falls_as_soil_opens() -> None:
     term = PorePressure(np.array([50e3]), 1.0)
 
     def found(beta: float, p: float, time: float = 2.0) -> float:
-        return carried_pressure(term, soil, np.uint64(0), beta, p, time)
+        return carried_pressure(term, soil, np.uint64(0), beta, p, 0.0, time)
 
     assert found(1.0, 80e3, 0.25) == pytest.approx(12.5e3)
     assert found(1.0, 80e3) == found(0.0, 80e3) == found(1.0, -0.99 * apex) == 50e3
     assert found(1.0, -apex - 20e3) == pytest.approx(30e3), "solid soil opens at its apex"
     assert found(0.0, -20e3) == pytest.approx(30e3), "failed soil bears no tension by default"
     assert found(0.0, -60e3) == 0.0
-    assert carried_pressure(None, soil, np.uint64(0), 1.0, 80e3, 2.0) == 0.0
+    assert carried_pressure(None, soil, np.uint64(0), 1.0, 80e3, 0.0, 2.0) == 0.0

@@ -23,6 +23,7 @@ import numpy as np
 
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.slots import slot
+from sph.solver.physics.cyclic_pore_pressure import compact, excess_pressure, fails, mark_liquefied
 from sph.solver.physics.dilation import dilate
 from sph.solver.physics.elasticity import Deviator, Strain, deviator_square, elastic_rate, pressure, scaled, strained
 from sph.solver.physics.failed_solid import yields
@@ -186,6 +187,7 @@ def _advance_chunk(surfaces: Surfaces, state: State, pairs: Pairs, terms: Terms,
         l_xx, l_xy, l_yx, l_yy = velocity_gradient(terms.gradient_correction, pairs, state.density, gradient, i)
         strain = Strain(l_xx, l_yy, 0.5 * (l_xy + l_yx), 0.5 * (l_xy - l_yx) * terms.dt, terms.dt)
         deform(terms.initial_arrangement, state, i, l_xx * terms.dt, l_xy * terms.dt, l_yx * terms.dt, l_yy * terms.dt)
+        compact(terms.cyclic_pore_pressure, terms.layers, state, i, strain, time)
         density = max(state.density[i] * (1.0 - (l_xx + l_yy) * terms.dt), terms.least_density)
         state.density[i] = density
         p = pressure(soil.bulk_modulus, density, terms.reference_density)
@@ -194,9 +196,10 @@ def _advance_chunk(surfaces: Surfaces, state: State, pairs: Pairs, terms: Terms,
         beta = _update_beta(own_fluid, terms, soil, state, i)
         p_fluid, s_fluid = _update_fluid(own_fluid, terms, soil, state, i, p, strain, time)
         p_solid, s_solid, reached[i] = _update_solid(own_solid, terms, soil, state, i, p, rate, strain, time)
+        mark_liquefied(terms.cyclic_pore_pressure, state, i, reached)
         p_effective, s = blend(beta, p_solid, p_fluid), blend_deviators(beta, s_solid, s_fluid)
         keep_normal_stress(terms.seams, i, p_effective, s)
-        water = carried_pressure(terms.pore_pressure, soil, i, beta, p, time)
+        water = carried_pressure(terms.pore_pressure, soil, i, beta, p, excess_pressure(terms.cyclic_pore_pressure, state, i), time)
         internal += terms.cell_mass * keep_water(terms.interface, state, i, water / (density * density))
         mean = -p_effective - 0.5 * s.zz - water
         damped = without_slip(terms.seams, i, rate)
@@ -210,8 +213,9 @@ def _advance_chunk(surfaces: Surfaces, state: State, pairs: Pairs, terms: Terms,
 
 
 @jit
-def _has_slipped(terms: Terms, state: State, i: int) -> bool:
-    return has_slipped(terms.slip, state, i, material_of(terms.layers, terms.soil, i).peak_strain)
+def _fails(terms: Terms, state: State, i: int, reached: bool) -> bool:
+    slipped = reached and has_slipped(terms.slip, state, i, material_of(terms.layers, terms.soil, i).peak_strain)
+    return fails(terms.cyclic_pore_pressure, state, i, slipped)
 
 
 @jit
@@ -220,7 +224,7 @@ def _arm_and_fail(state: State, terms: Terms, reached: np.ndarray, first: int, l
     newly_failed = 0
     for i in range(first, min(last, terms.n_failing)):
         if state.phase[i] == UNARMED:
-            state.phase[i] = YIELDED if reached[i] and _has_slipped(terms, state, i) else ARMED
+            state.phase[i] = YIELDED if _fails(terms, state, i, reached[i]) else ARMED
         elif state.phase[i] == HELD:
             limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
             soil = material_of(terms.layers, terms.soil, i)
@@ -228,7 +232,7 @@ def _arm_and_fail(state: State, terms: Terms, reached: np.ndarray, first: int, l
             demand = shear_demand(soil.solid, solid_deviator(state, i))
             if not reached[i] and demand <= limit * strength(soil.solid, p):
                 state.phase[i] = ARMED
-        elif state.phase[i] == YIELDED or (state.phase[i] == ARMED and reached[i] and _has_slipped(terms, state, i)):
+        elif state.phase[i] == YIELDED or (state.phase[i] == ARMED and _fails(terms, state, i, reached[i])):
             state.t_f[i] = time if state.phase[i] == ARMED else time - terms.dt
             state.phase[i] = FAILED
             store_fluid(state, i, solid_deviator(state, i))

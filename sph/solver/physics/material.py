@@ -1,8 +1,8 @@
 """Coefficients of the material of each particle: one for all, those of its layer, or its own where strength varies in space.
 
 With one soil the coefficients are plain numbers of the compiled code; tables are compiled in only where a scene has layers, random
-fields or strength that grows with depth.  With one of the last two each particle has a row of its own, made of c and phi at its initial
-place, which it carries along.
+fields, strength that grows with depth, or excess pore pressure.  But for layers alone each particle has a row of its own, made of c and
+phi at its initial place, which it carries along; excess pore pressure changes it (``sph.solver.physics.cyclic_pore_pressure``).
 
 Particles of soils of different density sit on one lattice and take the same room.  The sums over neighbours therefore count particles,
 not mass (as Hu and Adams 2006 do for fluids of different density): every particle enters them with the mass that the scene's own soil
@@ -70,7 +70,7 @@ class Layers(NamedTuple):
     """Materials of layers."""
 
     layer: np.ndarray
-    """(n,) row of the table: uint8, 0 for the scene's own soil, k for the k-th layer; int32, a row each, where strength varies"""
+    """(n,) row of the table: uint8, 0 for the scene's own soil, k for the k-th layer; int32, a row each, where soil of one kind differs"""
     table: np.ndarray
     """(rows, ...): the numbers of ``Material`` in order"""
     lightness: np.ndarray
@@ -117,8 +117,9 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
     density = np.array([soil.density for soil in scene.soils])
     impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
     rows = layer.astype(np.uint8)
-    if scene.strength_varies:
+    if scene.strength_varies or scene.softens_by_pressure:
         table, rows = table[layer], np.arange(layer.size, dtype=np.int32)
+    if scene.strength_varies:
         for row, number, (cohesion, friction_angle) in zip(table, layer, peak_strength(scene, particles).T.tolist(), strict=True):
             solid, fluid = _surfaces(cohesion, friction_angle, scene.materials[number], scene.coupling)
             row[2 : 2 + len(solid) + len(fluid)] = *solid, *fluid
@@ -127,8 +128,8 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
 
 TERM = Term(
     "layers",
-    "layers, random fields or strength that grows with depth: tables of materials",
-    lambda scene: bool(scene.layers) or scene.strength_varies,
+    "layers, random fields, strength that grows with depth or excess pore pressure: tables of materials",
+    lambda scene: bool(scene.layers) or scene.strength_varies or scene.softens_by_pressure,
     _make,
 )
 

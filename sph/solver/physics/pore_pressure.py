@@ -13,10 +13,10 @@ This water is for ``water.pressure: carried``.  A particle keeps the u of its in
     sigma = sigma' - u I.
 
 Where the skeleton opens, its pressure below what the surface bears in tension, the water opens with it: u falls by the cut-off tension,
-and no lower than zero, so that soil without cover does not burst.  Excess pore pressure by cyclic loading is left out: u does not rise
-with shear, and a change of the mean stress is taken by the skeleton.  Undrained soil keeps its volume: with a dilation angle the water's
-constant pressure would make energy, and such scenes are refused.  While gravity is brought on u grows with it.  The work of
-the water on changes of volume counts as dissipated energy.
+and no lower than zero, so that soil without cover does not burst.  What cyclic shear adds to u is another term
+(``sph.solver.physics.cyclic_pore_pressure``); a change of the mean stress is taken by the skeleton.  Undrained soil keeps its volume: with
+a dilation angle the water's constant pressure would make energy, and such scenes are refused.  While gravity is brought on u grows with it.
+The work of the water on changes of volume counts as dissipated energy.
 """
 
 from __future__ import annotations
@@ -49,16 +49,16 @@ class PorePressure(NamedTuple):
 
 
 @slot
-def carried_pressure(water: PorePressure | None, soil: Material, i: int, beta: float, p: float, time: float) -> float:
-    """Pore pressure (Pa) of particle i at a time (s), from its weight beta and its pressure p before the cut-off in tension."""
+def carried_pressure(water: PorePressure | None, soil: Material, i: int, beta: float, p: float, excess: float, time: float) -> float:
+    """Pore pressure (Pa) of particle i at a time (s), from its weight beta, its pressure p before the cut-off in tension and its excess."""
     return 0.0
 
 
 @carried_pressure.of(PorePressure)
-def _carried_pressure(water: PorePressure, soil: Material, i: int, beta: float, p: float, time: float) -> float:
+def _carried_pressure(water: PorePressure, soil: Material, i: int, beta: float, p: float, excess: float, time: float) -> float:
     grown = time / water.ramp if time < water.ramp else 1.0
     opened = beta * (limit_tension(soil.solid, p) - p) + (1.0 - beta) * (limit_tension(soil.fluid, p) - p)
-    return max(water.pressure[i] * grown - opened, 0.0)
+    return max(water.pressure[i] * grown + excess - opened, 0.0)
 
 
 def pore_pressure(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -72,6 +72,12 @@ def pore_pressure(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     ratios = np.array([material.r_u for material in scene.materials])
     vertical = scene.gravity.acceleration * overburden(scene, x, y) / math.cos(math.radians(scene.gravity.inclination))
     return ratios[layer_index(scene, x, y)] * vertical
+
+
+def effective_overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Vertical effective stress (n,) of the soil above places (n,) of the initial slope, Pa, compression positive; never tension."""
+    vertical = scene.gravity.acceleration * overburden(scene, x, y)
+    return vertical if scene.water is None else np.maximum(vertical - pore_pressure(scene, x, y), 0.0)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> PorePressure:
