@@ -39,7 +39,7 @@ SPARE = 1.25
 SHARE = 0.9
 """Share of the card's free memory that is used."""
 MIB = 2**20
-INSTALL = "pip install 'sph-slope[cuda]'"
+INSTALL = 'pip install -c constraints.txt -e ".[cuda]"'
 
 
 def card() -> Any:
@@ -51,6 +51,11 @@ def card() -> Any:
         why = cuda.cuda_error()
         raise ValueError(f"backend: cuda finds no card of NVIDIA with its driver ({why or 'none is there'}); use backend: cpu")
     return cuda
+
+
+def simulated() -> bool:
+    """Whether the card is numba's simulator, which runs one block after the other and knows no registers."""
+    return os.environ.get("NUMBA_ENABLE_CUDASIM") == "1"
 
 
 def describe_card() -> str:
@@ -119,8 +124,6 @@ class Ensemble:
     def __init__(self, size: int, threads: int | None = None, cuda: Any = None) -> None:
         self.cuda = card() if cuda is None else cuda
         self.running, self.threads = size, threads or THREADS
-        self.simulated = os.environ.get("NUMBA_ENABLE_CUDASIM") == "1"
-        """whether the card is numba's simulator, which runs one block after the other and knows no registers"""
         self.turn = threading.Condition(threading.RLock())
         """Held by the thread that is awake."""
         self.members: list[Any] = [None] * size
@@ -281,11 +284,11 @@ class Ensemble:
         return found
 
     def _compiled(self, function: Any) -> Any:
-        return self.cuda.jit(function) if self.simulated else self.cuda.jit(max_registers=REGISTERS)(function)
+        return self.cuda.jit(function) if simulated() else self.cuda.jit(max_registers=REGISTERS)(function)
 
     def _blocks_a_run(self, arguments: Sequence[Any]) -> int:
         """Blocks of a run: as many as its particles fill, and as many as fit on the card at once, since they wait for each other."""
-        if self.blocks == 1 or self.simulated:
+        if self.blocks == 1 or simulated():
             return 1
         compiled = self.kernel.specialize(*arguments)
         at_once = next(iter(compiled.overloads.values())).max_cooperative_grid_blocks(self.threads)
