@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Backend, Result, run
 from sph.solver.simulation import Simulation
-
-if TYPE_CHECKING:
-    from sph.solver.cuda.ensemble import Ensemble
 
 BACKENDS = ("cpu", "cuda")
 
@@ -47,9 +45,12 @@ def run_many(
 
     if backend == "cpu":
         return [call(number, None) for number in range(len(scenes))]
+    from sph.solver.cuda.ensemble import Ensemble
+
     found: list[Any] = [None] * len(scenes)
-    for together, ensemble in _ensembles(scenes):
-        made = ensemble.carry([lambda number=number, ensemble=ensemble: call(number, ensemble) for number in together])  # type: ignore[misc]
+    for together in _together(scenes):
+        ensemble = Ensemble(len(together))
+        made = ensemble.carry([partial(call, number, ensemble) for number in together])
         for number, result in zip(together, made, strict=True):
             found[number] = result
     for result in found:
@@ -58,9 +59,9 @@ def run_many(
     return found
 
 
-def _ensembles(scenes: Sequence[Scene]) -> list[tuple[list[int], Ensemble]]:
-    """Numbers of the scenes that advance together, and on what."""
-    from sph.solver.cuda.ensemble import Ensemble, card, most_runs, variant
+def _together(scenes: Sequence[Scene]) -> list[list[int]]:
+    """Numbers of the scenes that advance together: alike, and as many as the card's memory holds."""
+    from sph.solver.cuda.ensemble import card, most_runs, variant
 
     card()
     alike: dict[Any, list[int]] = {}
@@ -71,5 +72,4 @@ def _ensembles(scenes: Sequence[Scene]) -> list[tuple[list[int], Ensemble]]:
         alike.setdefault(kind, []).append(number)
         if kind not in most:
             most[kind] = most_runs(simulation)
-    parts = [numbers[first : first + most[kind]] for kind, numbers in alike.items() for first in range(0, len(numbers), most[kind])]
-    return [(part, Ensemble(len(part))) for part in parts]
+    return [numbers[first : first + most[kind]] for kind, numbers in alike.items() for first in range(0, len(numbers), most[kind])]

@@ -64,6 +64,8 @@ def describe_card() -> str:
         cuda = card()
     except ValueError as error:
         return str(error)
+    if simulated():
+        return "numba's simulator"
     free, total = cuda.current_context().get_memory_info()
     name = cuda.get_current_device().name
     return f"{name.decode() if isinstance(name, bytes) else name}, {free / 2**30:.1f} of {total / 2**30:.1f} GiB free"
@@ -168,6 +170,7 @@ class Ensemble:
         except BaseException as error:
             self.failure = error
             raise
+        self._release()
         return found
 
     def advance(self, member: CardSimulation, first: int, count: int) -> int:
@@ -237,11 +240,11 @@ class Ensemble:
         if self.room:
             return
         members = [self.members[place] for place in self.asked]
+        self._release()
         self.room = max(map(room_of, members))
         self.rooms.append(self.room)
         self.blocks = blocks_of(members[0], self.threads)
         wanted = packs(card_code, members[0], len(self.members), self.room, self.blocks * self.threads)
-        self.run_pack = self.fixed_pack = self.list_pack = None  # what they held is free now
         check_memory(self.cuda, wanted, len(self.members))
         self.run_pack, self.fixed_pack, self.list_pack = wanted
         for pack in wanted:
@@ -253,6 +256,7 @@ class Ensemble:
     def _launch(self, card_code: Any, asked: np.ndarray, left: Any) -> np.ndarray:
         runs, cuda = len(self.members), self.cuda
         longest = int(asked[:, card_code.COUNT].max())
+        changed = False
         loads = np.zeros((runs, len(Loading._fields), longest + 1))
         for place in left:
             member = self.members[place]
@@ -262,16 +266,17 @@ class Ensemble:
             self.run_pack.put(place, run_record(card_code, member))
             if self.fixed_of[place] is not member.terms:
                 self.fixed_pack.put(place, fixed_record(card_code, member))
-                self.fixed_of[place] = member.terms
-                self.fixed_pack.up()
+                self.fixed_of[place], changed = member.terms, True
+        if changed:
+            self.fixed_pack.up()
         self.run_pack.up()
         told = cuda.to_device(np.zeros((runs, 4), np.int64))
         arguments = [cuda.to_device(asked), told, cuda.to_device(np.zeros((runs, card_code.FLAGS), np.uint32)),
                      cuda.to_device(np.zeros(runs, np.uint32)), cuda.to_device(loads),
                      *self.run_pack.card, *self.fixed_pack.card, *self.list_pack.card]  # fmt: skip
         if self.kernel is None:
-            self.kernel = self._compiled(card_code.make_kernel(self.run_pack, self.fixed_pack, self.list_pack))
-        self.kernel[(self._blocks_a_run(arguments), runs), self.threads](*arguments)
+            self.kernel = self._compiled(card_code.make_kernel(self.run_pack, self.fixed_pack, self.list_pack), arguments)
+        self.kernel[(self._blocks_a_run(), runs), self.threads](*arguments)
         self.run_pack.down()
         found = told.copy_to_host()
         for place in left:
@@ -283,16 +288,23 @@ class Ensemble:
             member.state.work[REPULSION] = record.work[REPULSION].sum()
         return found
 
-    def _compiled(self, function: Any) -> Any:
-        return self.cuda.jit(function) if simulated() else self.cuda.jit(max_registers=REGISTERS)(function)
+    def _compiled(self, function: Any, arguments: Sequence[Any]) -> Any:
+        """The kernel, compiled for these arguments."""
+        return self.cuda.jit(function) if simulated() else self.cuda.jit(max_registers=REGISTERS)(function).specialize(*arguments)
 
-    def _blocks_a_run(self, arguments: Sequence[Any]) -> int:
+    def _blocks_a_run(self) -> int:
         """Blocks of a run: as many as its particles fill, and as many as fit on the card at once, since they wait for each other."""
         if self.blocks == 1 or simulated():
             return 1
-        compiled = self.kernel.specialize(*arguments)
-        at_once = next(iter(compiled.overloads.values())).max_cooperative_grid_blocks(self.threads)
-        return max(1, min(self.blocks, at_once // len(self.members)))
+        (compiled,) = self.kernel.overloads.values()
+        return max(1, min(self.blocks, compiled.max_cooperative_grid_blocks(self.threads) // len(self.members)))
+
+    def _release(self) -> None:
+        """Give the memory of the card back."""
+        self.run_pack = self.fixed_pack = self.list_pack = None
+        self.room = 0
+        if not simulated():
+            self.cuda.current_context().deallocations.clear()
 
 
 def run_record(card_code: Any, member: Simulation) -> Any:
