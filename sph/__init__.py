@@ -60,6 +60,7 @@ _HOMES = {
         "sph.scene.schema": "make_scene load_scene Scene",
         "sph.solver.run": "run Progress Result",
         "sph.solver.checkpoint": "run_to_file",
+        "sph.solver.backends": "run_many",
         "sph.storage.trajectory": "scene_of",
         "sph.output.surveyed": "read_run in_survey",
         "sph.measures.metrics": "measure MetricSettings",
@@ -87,6 +88,7 @@ if TYPE_CHECKING:
     from sph.scene.schema import Scene as Scene
     from sph.scene.schema import load_scene as load_scene
     from sph.scene.schema import make_scene as make_scene
+    from sph.solver.backends import run_many as run_many
     from sph.solver.checkpoint import run_to_file as run_to_file
     from sph.solver.run import Progress as Progress
     from sph.solver.run import Result as Result

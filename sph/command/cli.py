@@ -144,6 +144,7 @@ def run(
         typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing run of another scene")] = False,
+    backend: Annotated[str, typer.Option(help="cpu, or cuda: a graphics card of NVIDIA")] = "cpu",
 ) -> Told:
     """Simulate a scene and write its trajectory; after Ctrl-C or a kill the same command continues from the last checkpoint.
 
@@ -151,7 +152,7 @@ def run(
     """
     from sph.command.run import run
 
-    return run(scene, parse_settings(set_), out, restart, until, threads, checkpoint, overwrite)
+    return run(scene, parse_settings(set_), out, restart, until, threads, checkpoint, overwrite, backend)
 
 
 @command("Example:  sph compile config/scenes/*.yaml", "loading the solver", "compile")

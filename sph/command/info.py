@@ -16,6 +16,7 @@ from sph.command.given import read_given
 from sph.command.terminal import aligned
 from sph.experiments.variants.advice import expected_sentence
 from sph.scene.schema import Scene
+from sph.solver.cuda.ensemble import describe_card
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
@@ -93,5 +94,6 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         ("estimated cost", f"{expected.seconds:.3g} s {ON_REFERENCE} ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),
         ("memory and disk", f"{expected.memory:.0f} MiB while it runs, {expected.disk:.1f} MiB for its trajectory"),
         ("cluster request", f"{asked.mem_mb} MB, {asked.runtime} min"),
+        ("graphics card", describe_card()),
     ]
     return rows

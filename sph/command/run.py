@@ -25,6 +25,7 @@ from sph.output.run import Run
 from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json
+from sph.solver.backends import backend_of
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Until
 from sph.storage import trajectory
@@ -42,10 +43,14 @@ def run(
     threads: int,
     checkpoint: float | None,
     overwrite: bool,
+    backend: str = "cpu",
 ) -> tuple[str, int]:
     """Simulate the scene in a file with changes; what came of it, and the exit code."""
     check_known("--until", [until], ("end", "gravity", "first_failure"))
     earlier = earlier_run(path)
+    made_by = backend_of(backend)
+    if made_by is not None and threads > 1:
+        raise ValueError(f"--threads {threads}: threads are of the processor; leave it out with --backend {backend}")
     scene, inputs = read_given(path, changes, earlier)
     out = out or Path(f"{scene.name}.nc")
     check_writable(out, [*inputs, *([restart] if restart else [])])
@@ -66,6 +71,7 @@ def run(
             say,
             enforce_limit=not repeats,  # what was allowed to run with a step above its limit may be repeated
             attrs={"findings": codes(found)},
+            backend=made_by,
         )
     made = Run(result.stored, scene)
     if made.time_step_ratio > 1.0:

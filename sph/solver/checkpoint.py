@@ -19,7 +19,7 @@ from typing import Any
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import solver_digest
-from sph.solver.run import Progress, Result, Run, Until
+from sph.solver.run import Backend, Progress, Result, Run, Until
 from sph.storage import trajectory
 from sph.storage.files import alone, beside, tidy
 
@@ -41,6 +41,7 @@ def run_to_file(
     say: Say = print,
     enforce_limit: bool = True,
     attrs: Mapping[str, Any] | None = None,
+    backend: Backend | None = None,
 ) -> Result:
     """Simulate a scene (see ``sph.solver.run.run``) and write its trajectory, going on from the checkpoint of the same run if there is one.
 
@@ -52,16 +53,16 @@ def run_to_file(
     trajectory.check_name(path)
     seconds = checkpoint_seconds() if seconds is None else seconds
     earlier = {} if restart is None else trajectory.read_run(restart).attrs
-    digest, solver = run_digest(scene, until, earlier), solvers(earlier)
+    digest, solver = run_digest(scene, until, earlier, "cpu" if backend is None else backend.name), solvers(earlier)
     with alone(path, "run", lambda: say(f"{path}: another process is writing it, waiting for its end")) as followed:
         checkpoint = Checkpoint(path, digest, seconds, say)
         if followed and (finished := _of_this_run(path, digest)):
             tidy(path)
             checkpoint.discard()
             return finished
-        started = checkpoint.resumed(Run(scene, threads, enforce_limit))
+        started = checkpoint.resumed(Run(scene, threads, enforce_limit, backend))
         if started is None:
-            started = Run(scene, threads, enforce_limit)
+            started = Run(scene, threads, enforce_limit, backend)
             if restart is not None:
                 started.resume(restart)
         with checkpoint.on_interrupt():
@@ -84,10 +85,12 @@ def checkpoint_seconds() -> float:
     return seconds
 
 
-def run_digest(scene: Scene, until: Until, earlier: Mapping[str, Any]) -> str:
-    """Digest of all that decides the bits of a run: solver, scene, stage and the run gone on from, by its attributes."""
+def run_digest(scene: Scene, until: Until, earlier: Mapping[str, Any], backend: str = "cpu") -> str:
+    """Digest of all that decides the bits of a run: solver, scene, stage, the run gone on from, by its attributes, and the backend."""
     before = earlier.get("run_digest", earlier.get("scene"))
-    return hashlib.sha256(f"{solver_digest()} {until} {scene.model_dump_json()} {before}".encode()).hexdigest()[:16]
+    return hashlib.sha256(
+        f"{solver_digest()} {until} {scene.model_dump_json()} {before}{'' if backend == 'cpu' else backend}".encode()
+    ).hexdigest()[:16]
 
 
 def solvers(earlier: Mapping[str, Any]) -> str:

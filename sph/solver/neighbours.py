@@ -39,9 +39,10 @@ MIN_NORM = 1e-30
 
 @by_reference
 class Candidates(NamedTuple):
-    """Neighbours within support + skin, by rows: those of i are neighbour[start[i]:start[i + 1]]."""
+    """Neighbours within support + skin, by rows: those of i are neighbour[start[i]:end[i]]."""
 
-    start: np.ndarray  # (n + 1,) uint32
+    start: np.ndarray  # (n,) uint32
+    end: np.ndarray  # (n,) uint32
     neighbour: np.ndarray  # (m,) uint32
 
 
@@ -85,7 +86,7 @@ def find_candidates(x: np.ndarray, y: np.ndarray, reach: float, period: Periodic
     start, index, done = np.zeros(n + 1, np.uint32), np.empty(64 * n, np.uint32), 0
     while (done := gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_cells, start, index, done)) < n:
         index = np.concatenate((index, np.empty(index.size + n, np.uint32)))
-    return Candidates(start, index[: start[n]].copy())
+    return Candidates(start[:-1], start[1:], index[: start[n]].copy())
 
 
 @entry
@@ -137,7 +138,7 @@ class Places(NamedTuple):
 
 def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Terms) -> Pairs:
     """Room for the pairs of a candidate list; gradients get the type of the number ``zero``, what absent terms keep is empty."""
-    n, size = candidates.start.size - 1, candidates.neighbour.size
+    n, size = candidates.start.size, candidates.neighbour.size
     core = CorePairs(
         start=np.zeros(n, np.uint32),
         end=np.zeros(n, np.uint32),
@@ -189,18 +190,25 @@ def update_pairs(pairs: Pairs, candidates: Candidates, terms: Terms, places: Pla
     """
     longest = np.uint32(1)
     for i in rows(first, last):
-        longest = max(longest, candidates.start[i + np.uint64(1)] - candidates.start[i])
+        longest = max(longest, candidates.end[i] - candidates.start[i])
     # Room for one row: loops that choose, and loops that gather and store at once, do not vectorise.
     room = Offsets(np.empty(longest), np.empty(longest), np.empty(longest))
     begin = np.uint64(candidates.start[first])
     for i in rows(first, last):
-        row = choose_neighbours(pairs, candidates, terms, places, room, i, begin)
-        make_gradients(pairs, terms, room, i, row)
-        sum_gradients(pairs, candidates, terms, places, room, i, row)
-        pairs.start[i] = begin
-        pairs.close_end[i] = begin + row.close
-        begin += row.size
-        pairs.end[i] = begin
+        begin = update_row(pairs, candidates, terms, places, room, i, begin)
+
+
+@jit
+def update_row(pairs: Pairs, candidates: Candidates, terms: Terms, places: Places, room: Offsets, i: int, begin: np.uint64) -> np.uint64:
+    """Fill row i of ``pairs`` from place ``begin`` on; returns its end."""
+    row = choose_neighbours(pairs, candidates, terms, places, room, i, begin)
+    make_gradients(pairs, terms, room, i, row)
+    sum_gradients(pairs, candidates, terms, places, room, i, row)
+    end = begin + row.size
+    pairs.start[i] = begin
+    pairs.close_end[i] = begin + row.close
+    pairs.end[i] = end
+    return end
 
 
 @jit
@@ -211,7 +219,7 @@ def choose_neighbours(pairs: Pairs, candidates: Candidates, terms: Terms, places
     reach_square, close_square = support(terms.kernel) ** 2, terms.close_range * terms.close_range
     x_i, y_i = x[i], y[i]
     row = np.uint64(candidates.start[i])
-    size = np.uint64(candidates.start[i + np.uint64(1)]) - row
+    size = np.uint64(candidates.end[i]) - row
     close_candidates = wall_candidates = as_they_lie = np.uint64(0)
     intact = is_intact(terms.initial_arrangement, pairs, i)
     for k in range(size):

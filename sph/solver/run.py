@@ -13,7 +13,7 @@ import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -35,6 +35,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Until = Literal["end", "gravity", "first_failure"]
+
+
+class Backend(Protocol):
+    """What advances scenes elsewhere than on the processor."""
+
+    name: str
+
+    def simulation(self, scene: Scene, enforce_limit: bool) -> Simulation:
+        """A scene's simulation."""
 
 
 class Progress(NamedTuple):
@@ -67,12 +76,13 @@ class Result:
 
 
 class Run:
-    """One run under way: its simulation, and what has been recorded of it."""
+    """One run under way: its simulation, by a backend or else on the processor, and what has been recorded of it."""
 
-    def __init__(self, scene: Scene, threads: int = 1, enforce_limit: bool = True) -> None:
-        self.simulation = Simulation(scene, threads, enforce_limit)
+    def __init__(self, scene: Scene, threads: int = 1, enforce_limit: bool = True, backend: Backend | None = None) -> None:
+        self.simulation = Simulation(scene, threads, enforce_limit) if backend is None else backend.simulation(scene, enforce_limit)
         self.recording = Recording(self.simulation)
         self.ended = ("", "")
+        self.backends = self.simulation.backend
         self.earlier_wall_time = 0.0
         self.earlier_particle_steps = 0
 
@@ -86,6 +96,7 @@ class Run:
         self.recording.take_over(old)
         if old.attrs["status"] == "diverged":
             self.ended = (Status.DIVERGED, str(old.attrs["status_reason"]))
+        self.backends = " ".join(dict.fromkeys([*str(old.attrs.get("backend", "cpu")).split(), self.simulation.backend]))
         self.earlier_wall_time = float(old.attrs["wall_time_s"])
         self.earlier_particle_steps = int(old.attrs["particle_steps"])
 
@@ -208,9 +219,11 @@ class Run:
             "wall_time_s": wall_time,
             "particle_steps": total,
             "particle_steps_per_second": total / wall_time if wall_time > 0 else 0.0,
-            "neighbours_mean": float((simulation.pairs.end - simulation.pairs.start).mean()),
+            "neighbours_mean": simulation.mean_neighbours(),
             "active_terms": " ".join(name for name, on in simulation.wanted.items() if on),
         }
+        if self.backends != "cpu":
+            attrs["backend"] = self.backends
         return Result(self.recording.trajectory(attrs), restart_of(simulation), str(status))
 
 
@@ -221,12 +234,13 @@ def run(
     report: Callable[[Progress], None] | None = None,
     threads: int = 1,
     enforce_limit: bool = True,
+    backend: Backend | None = None,
 ) -> Result:
     """Simulate a scene, from the start or from a paused run's file; the number of threads does not change a bit of the result.
 
     ValueError for a fixed time step above its limit, unless that is what is to be seen (``enforce_limit``).
     """
-    simulation = Run(scene, threads, enforce_limit)
+    simulation = Run(scene, threads, enforce_limit, backend)
     if restart is not None:
         simulation.resume(restart)
     return simulation.go(until, report)

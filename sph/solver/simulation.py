@@ -39,6 +39,8 @@ class Saved(NamedTuple):
 class Simulation:
     """State and lists of one scene, and its time steps."""
 
+    backend = "cpu"
+
     def __init__(self, scene: Scene, threads: int = 1, enforce_limit: bool = True) -> None:
         self.scene = scene
         self.enforce_limit = enforce_limit
@@ -69,13 +71,17 @@ class Simulation:
             self.measure_limit(FIRST_POWER_ITERATIONS if self.step == 0 else 0)
             self.elastic_energy()
             self.cauchy_stress()
-        with compile_lock(str(self.wanted)):
-            self.advance_steps(0)
+        self.load_variant()
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
             raise ValueError(
                 f"numerics.time_step: {self.terms.dt:g} s exceeds the limit measured on the particles at the start, {self.limit:.3g} s; "
                 "choose a smaller step"
             )
+
+    def load_variant(self) -> None:
+        """Compile or load ``advance`` for this scene."""
+        with compile_lock(str(self.wanted)):
+            self.advance_steps(0)
 
     def advance_steps(self, n_steps: int) -> tuple[int, int]:
         """Advance by a number of the scene's time steps; how many particles failed, and how many steps were made."""
@@ -113,6 +119,10 @@ class Simulation:
         )
         if iterations:
             self.limit = self.present_limit.seconds(frequency)
+
+    def mean_neighbours(self) -> float:
+        """Mean number of neighbours."""
+        return float((self.pairs.end - self.pairs.start).mean())
 
     def adapt(self) -> str:
         """Divide the time step so that it keeps to the limit, if the scene wants that; why the run cannot go on, or empty."""

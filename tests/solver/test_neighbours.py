@@ -57,7 +57,7 @@ CLOUDS = [random_cloud, clustered_cloud, collinear_cloud, coincident_cloud, latt
 
 
 def as_pairs(candidates: Candidates) -> list[tuple[int, int]]:
-    counts = np.diff(candidates.start.astype(np.int64))
+    counts = candidates.end.astype(np.int64) - candidates.start
     rows = np.repeat(np.arange(counts.size), counts)
     return list(zip(rows.tolist(), candidates.neighbour.tolist(), strict=True))
 
@@ -108,7 +108,7 @@ def test_periodic_candidates(seed: int, n: int, cloud, reach: float, periods: fl
 
 def test_one_particle_has_no_neighbours() -> None:
     candidates = find_candidates(np.array([3.0]), np.array([-2.0]), 1.0, None)
-    assert candidates.start.tolist() == [0, 0]
+    assert candidates.start.tolist() == candidates.end.tolist() == [0]
     assert candidates.neighbour.size == 0
 
 

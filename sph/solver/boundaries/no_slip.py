@@ -83,7 +83,7 @@ def _add_wall(
     m_xx, m_xy, m_yy = sums.m_xx, sums.m_xy, sums.m_yy
     if beside and not in_wall(no_slip, i):
         intact = is_intact(arrangement, pairs, i)
-        for k in rows(candidates.start[i], candidates.start[i + 1]):
+        for k in rows(candidates.start[i], candidates.end[i]):
             j = candidates.neighbour[k]
             dx, dy, _ = offset(arrangement, intact, terms.periodic, pairs, places, i, j)
             r_square = dx * dx + dy * dy

@@ -46,6 +46,7 @@ COMPILED = tuple(
     for name in (
         "boundaries",
         "compiled",
+        "cuda",
         "integration.py",
         "moves.py",
         "neighbours.py",

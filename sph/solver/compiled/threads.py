@@ -21,6 +21,7 @@ from numba.extending import intrinsic
 
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import slot
 
 BLOCK = 256
 """Rows of particles that one thread takes together, and over which sums are kept."""
@@ -75,9 +76,13 @@ def _add(typingctx, array, index, value):  # type: ignore[no-untyped-def]
 _let_others_run = types.ExternalFunction("sched_yield", types.int32())
 
 
-@jit
-def wait(team: Team) -> None:
-    """Return once every thread of the team has come here."""
+@slot
+def wait(team: Any) -> None:
+    """Return once every thread of the team has come here; another kind of team than threads of the processor gives its own body."""
+
+
+@wait.of(Team)
+def _wait(team: Team) -> None:
     if team.size > 1:
         barrier = team.barrier
         this_round = _add(barrier, ROUND, 0)  # type: ignore[call-arg, var-annotated]
