@@ -53,21 +53,22 @@ outputs: {frame_interval: 0.01, series_interval: 0.001}
 """
 JOBS = """
 from pathlib import Path
+from sph.jobs.ahead import Task
+from sph.jobs.simulation import work
 from sph.scene.configuration import read_yaml
 from sph.study.planned import planned
-simulate = runpy.run_path(sys.argv[1])["simulate"]
-scene, folder = planned(read_yaml(Path(sys.argv[2]))), Path(sys.argv[2]).parent
-with open(folder / "log", "w") as log:
-    simulate(scene, "gravity", None, str(folder / "gravity.nc"), log, True, 1)
-    simulate(scene, "end", str(folder / "gravity.nc"), str(folder / "run.nc"), log, True, 1)
+scene, folder = planned(read_yaml(Path(sys.argv[1]))), Path(sys.argv[1]).parent
+for name, restart, until in (("gravity", None, "gravity"), ("run", "gravity", "end")):
+    file, restart = str(folder / f"{name}.nc"), restart and str(folder / f"{restart}.nc")
+    work(Task(file, str(folder / f"{name}.log"), restart, *scene, until, "simulation", False, True, "0"), [], 1)
 """
 
 
 def test_jobs_that_simulate_load_what_they_use(tmp_path: Path) -> None:
     """One up to a stage and one that goes on from its file, both with all that they read and write."""
     (tmp_path / "scene.yaml").write_text(SCENE)
-    loaded = loaded_by(JOBS, ROOT / "workflow" / "scripts" / "simulate.py", tmp_path / "scene.yaml")
-    assert (tmp_path / "run.nc").is_file() and "sph.solver.run" in loaded and not loaded & UNUSED
+    loaded = loaded_by(JOBS, tmp_path / "scene.yaml")
+    assert (tmp_path / "run.nc").is_file() and "sph.solver.run" in loaded and not loaded & {*UNUSED, "typer"}
 
 
 def test_no_two_test_files_have_one_name() -> None:

@@ -16,12 +16,13 @@ from typing import Any, NamedTuple
 
 from sph.command.status import Stand, State, look_at
 from sph.command.study import find_study
+from sph.jobs.ahead import TOGETHER
 from sph.scene.configuration import merge
 from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
 from sph.scene.strict_json import to_json
 from sph.solver.run import Progress, Run
-from sph.study.cost import COMPILE, START, Cost, cost, search_cost
+from sph.study.cost import COMPILE, START, TAKE_UP, Cost, cost, job_cost
 from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.preflight import MAX_SCENES, preflight_searches, preflight_seconds
@@ -83,8 +84,8 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     """
     states = look_at(plan.jobs, base)
     known = Speed(speed, "as given") if speed else measured_speed(states)
-    found = [(state, _part(state)) for state in states]
-    times = [start + part.seconds / known.value for _, part in found]
+    found = [(state, job_cost(state.job.run)) for state in states]
+    times = [_started(part, state, start) + part.seconds / known.value for state, part in found]
     checked = start + preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches))) / known.value
     check_left = 0.0 if (base / plan.folder / PREFLIGHT_FILE).exists() else checked
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
@@ -117,19 +118,14 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     )
 
 
+def _started(part: Cost, state: State, start: float) -> float:
+    """The time of a job besides its computing, s: short runs share it (``sph.jobs.ahead``)."""
+    return start if state.job.run.kind == Kind.SEARCH else min(TAKE_UP + start * part.seconds / TOGETHER, start)
+
+
 def _looked_at(plan: Plan) -> dict[str, Scene]:
     """The scenes that the preflight looks at, by run."""
     return {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
-
-
-def _part(state: State) -> Cost:
-    """The part of its scene that a job computes."""
-    scene, settled = state.job.scene, state.job.scene.gravity.duration
-    if state.job.run.kind == Kind.SEARCH:
-        return search_cost(scene)
-    if state.job.run.kind == Kind.RUN:
-        return cost(scene, since=settled)
-    return cost(scene, *((0.0, settled) if state.job.run.kind == Kind.GRAVITY else (settled, settled + scene.outputs.series_interval)))
 
 
 def measured_speed(states: Sequence[State]) -> Speed:

@@ -16,11 +16,10 @@ from __future__ import annotations
 import csv
 import functools
 import math
-import statistics
 import sys
 import time as clock
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,6 +27,7 @@ from typing import Any, NamedTuple
 import netCDF4
 
 from sph.command.study import find_study
+from sph.jobs.ahead import finished
 from sph.jobs.log import read_log
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
@@ -113,7 +113,7 @@ def look_at(runs: Sequence[PlannedRun], base: Path) -> list[State]:
 
 def look(job: Job, base: Path) -> State:
     """How a job stands, by what lies below the working folder."""
-    path = base / job.run.file
+    path = finished(base / job.run.file)
     try:
         facts = _facts(path, path.stat().st_mtime_ns)
         differs = differing(facts, job.scene, path)
@@ -175,8 +175,8 @@ class Estimate(NamedTuple):
 def estimate(states: Sequence[State]) -> Estimate:
     """What the jobs left will take; see above."""
     groups = {state.job.run.group for state in states}
-    costs = {group: _mean(state.took for state in states if state.job.run.group == group) for group in groups}
-    any_run = _mean(state.took for state in states if state.job.is_run)
+    costs = {group: _time_of_one([state for state in states if state.job.run.group == group]) for group in groups}
+    any_run = _time_of_one([state for state in states if state.job.is_run])
     scene = states[0].job.scene
     by_gravity = states[0].computed * (scene.duration / scene.gravity.duration - 1.0)
     lefts, work, unknown = [], 0.0, 0
@@ -195,9 +195,11 @@ def estimate(states: Sequence[State]) -> Estimate:
     return Estimate(work, max(work / running, *lefts, 0.0) if running else math.nan, unknown)
 
 
-def _mean(values: Iterator[float]) -> float:
-    known = [value for value in values if not math.isnan(value)]
-    return statistics.fmean(known) if known else math.nan
+def _time_of_one(states: Sequence[State]) -> float:
+    """Mean time of a job, s; NaN if none is measured.  Made ahead by another job, a run is done before its own has a benchmark."""
+    known = [state.took for state in states if not math.isnan(state.took)]
+    made = sum(state.state == Stand.DONE or not math.isnan(state.took) for state in states)
+    return math.fsum(known) / made if known else math.nan
 
 
 def lines(plan: Plan, states: Sequence[State]) -> list[str]:

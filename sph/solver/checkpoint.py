@@ -42,12 +42,14 @@ def run_to_file(
     enforce_limit: bool = True,
     attrs: Mapping[str, Any] | None = None,
     backend: Backend | None = None,
+    to: Path | None = None,
 ) -> Result:
     """Simulate a scene (see ``sph.solver.run.run``) and write its trajectory, going on from the checkpoint of the same run if there is one.
 
     ``seconds`` of wall time lie between checkpoints (0: there are none; by default see ``checkpoint_seconds``); ``say`` is told in a
     line what becomes of them; Ctrl-C leaves one, too.  ``attrs`` go into the file beside those of the run and have no effect on it.  Waits
-    for another process at work on the file; what that has finished, or one that was killed, is taken over.
+    for another process at work on the file; what that has finished, or one that was killed, is taken over.  With ``to`` the trajectory is
+    written there, and whoever asked for it puts it in its place.
     """
     path = Path(path)
     trajectory.check_name(path)
@@ -68,7 +70,7 @@ def run_to_file(
         with checkpoint.on_interrupt():
             result = started.go(until, report, checkpoint.offer)
         result.stored.attrs |= {**(attrs or {}), "run_digest": digest, "solver_digest": solver}
-        trajectory.write(path, result.stored, result.stored_restart)
+        trajectory.write(to or path, result.stored, result.stored_restart)
         checkpoint.discard()
     return result
 

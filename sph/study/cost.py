@@ -27,6 +27,7 @@ from sph.solver.time_step import limits
 from sph.stability.extrapolation import at_spacing, unasked_spacings
 from sph.stability.record import SEARCHES
 from sph.stability.standing import FailureRule, static_scene
+from sph.study.runs import SIMULATION, Kind, PlannedRun
 
 RECONSTRUCTED = 1.95
 """Times that a step takes with linear reconstruction in the artificial viscosity (measured: 1.96 and 1.94 with 19 and 60 neighbours)."""
@@ -46,6 +47,8 @@ TRIALS_NEAR, TRIALS_STRONGER = 6, 9
 """Static tests at the fine spacing, around what the coarse search found, and of the search for the sensitivity (measured, as above)."""
 START, COMPILE = 5.0, 8.0
 """Seconds that a job takes beside its computing (libraries, compiled code, files), and that a variant takes to be compiled (measured)."""
+TAKE_UP = 0.5
+"""Seconds of a job that takes up the run that another one has made (measured)."""
 MIB = 2.0**20
 ON_REFERENCE = "on one core of the reference machine"
 """Whose times these are, in words."""
@@ -89,6 +92,16 @@ def cost(scene: Scene, since: float = 0.0, until: float | None = None) -> Cost:
         memory=PROCESS + (n * neighbours * BYTES_OF_NEIGHBOUR + stored * BYTES_OF_STORED) / MIB,
         disk=(stored * FILED + n * FILED_STATE + sampled * FILED_SAMPLE) / MIB,
     )
+
+
+def job_cost(run: PlannedRun) -> Cost:
+    """Cost of what the job of a run, stage or search computes itself: the shaking up to the first failure counts with the runs."""
+    scene, settled = run.built, run.built.gravity.duration
+    if run.kind == Kind.SEARCH or run.by != SIMULATION:
+        return search_cost(scene)
+    if run.kind == Kind.RUN:
+        return cost(scene, since=settled if run.parent else 0.0)
+    return cost(scene, *((0.0, settled) if run.kind == Kind.GRAVITY else (settled, settled + scene.outputs.series_interval)))
 
 
 def search_cost(scene: Scene, extrapolates: bool = True) -> Cost:

@@ -32,11 +32,11 @@ SCENE = {
     "outputs": {"frame_interval": 0.01, "series_interval": 0.001},
 }
 JOB = """
-import json, runpy, sys
-simulate = runpy.run_path("workflow/scripts/simulate.py")["simulate"]
+import json, sys
+from sph.jobs.ahead import Task
+from sph.jobs.simulation import work
 from sph.study.planned import planned
-with open(sys.argv[2], "w") as log:
-    simulate(planned(json.loads(sys.argv[1])), "end", None, sys.argv[3], log, True, 1)
+work(Task(sys.argv[3], sys.argv[2], None, *planned(json.loads(sys.argv[1])), "end", "simulation", False, True, "0"), [], 1)
 """
 WALL_TIME = "import sys, netCDF4; print(netCDF4.Dataset(sys.argv[1]).wall_time_s)"
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import io
 import json
 import subprocess
 import sys
@@ -12,8 +10,11 @@ from pathlib import Path
 import pytest
 from small_scenes import SceneBuilder
 
+from sph.jobs.ahead import Task
+from sph.jobs.simulation import make
 from sph.solver.run import Run
 from sph.study.planned import planned
+from sph.study.runs import SIMULATION
 
 ROOT = Path(__file__).resolve().parents[2]
 NUMBAS = """
@@ -38,10 +39,7 @@ def test_a_jobs_threads_are_the_solvers(small_slope: SceneBuilder, tmp_path: Pat
     teams: list[int] = []
     go = Run.go
     monkeypatch.setattr(Run, "go", lambda self, *arguments: (teams.append(len(self.simulation.team)), go(self, *arguments))[1])
-    spec = importlib.util.spec_from_file_location("simulate", ROOT / "workflow" / "scripts" / "simulate.py")
-    assert spec and spec.loader
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    scene = planned(json.loads(small_slope({}).model_dump_json()))
-    script.simulate(scene, "gravity", None, str(tmp_path / "gravity.nc"), io.StringIO(), True, 2)
+    scene, contents = planned(json.loads(small_slope({}).model_dump_json()))
+    file = str(tmp_path / "gravity.nc")
+    make(Task(file, str(tmp_path / "log"), None, scene, contents, "gravity", SIMULATION, False, True, "0"), 2)
     assert teams == [2]

@@ -79,7 +79,7 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     assert slow["run"] == 2 * one["run"] and slow["computing"] > one["computing"]
     assert slow["shared"] == 2 * one["shared"] == 2 * two["shared"] and 0 < one["shared"] < one["computing"]
     queued = predicted(config, "--speed", 1, "--cores", 1, "--start", START + 10.0)
-    assert queued["computing"] == pytest.approx(one["computing"] + 13 * 10.0), "twelve simulations and the preflight"
+    assert 2 * 10.0 < queued["computing"] - one["computing"] < 3 * 10.0, "search, preflight, and one job of all short stages and runs"
     many = predicted(config, "--speed", 1, "--cores", 1000)
     assert many["wall"] >= one["run"], "no run is shorter for all the cores"
 

@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 
 from sph.checks.messages import search_words
 from sph.command.cli import app
+from sph.jobs.log import read_log
 from sph.scene.loading import motion_of
 from sph.scene.strict_json import parse_json
 from sph.stability.newmark import sliding_block
@@ -210,6 +211,25 @@ def test_a_new_grid_value_runs_only_what_is_new(finished: Path) -> None:
         "claims": 1,
         "page": 1,
     }
+
+
+def test_short_runs_share_a_job_and_each_is_made_by_itself(finished: Path, copied: Path) -> None:
+    """One core makes a missing run and those of a value that is added in one process; runs that are there stay as they are."""
+    folder = copied / "results" / "small" / "draft"
+    (copied / RUN).unlink()
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("*/*.nc")}
+    arguments = write_config(copied, grid=STUDY["grid"] | {"S_R": ["0.10", "0.30", "0.50"]})
+    files = [
+        f"results/small/draft/runs/S_R-0.30_gamma-{gamma}_amplitude-{amplitude}.nc" for gamma in (1, 100) for amplitude in ("0.1", "8.0")
+    ]
+    assert planned_jobs(copied, *arguments, "--", RUN, *files)["simulate"] == 5
+    result = snakemake(copied, "--cores", "1", *arguments, "--", RUN, *files)
+    assert result.returncode == 0, result.stderr
+    same_files(copied / RUN, finished / RUN)
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    logs = [read_log(copied / file.replace("/runs/", "/logs/").replace(".nc", ".log")) for file in (RUN, *files)]
+    assert all(log and log.process for log in logs) and len({log.process.number for log in logs if log and log.process}) == 1
+    assert planned_jobs(copied, *arguments, "--", RUN, *files) == {} and not list(folder.rglob(".*"))
 
 
 def test_a_metric_setting_reruns_no_simulation(finished: Path) -> None:

@@ -31,7 +31,7 @@ rule stage:
     resources:
         **asked(stage_row),
     params:
-        **simulated(stage_row),
+        **simulated(stage_row, "stage"),
     script:
         "../scripts/simulate.py"
 
@@ -49,6 +49,6 @@ rule simulate:
     resources:
         **asked(run_row),
     params:
-        **simulated(run_row),
+        **simulated(run_row, "simulate"),
     script:
         "../scripts/simulate.py"

@@ -23,7 +23,7 @@ rule validation_run:
     resources:
         **asked(case_run),
     params:
-        **simulated(case_run),
+        **simulated(case_run, "validation_run"),
     script:
         "../scripts/simulate.py"
 

@@ -1,6 +1,8 @@
 # Purpose: what the jobs that simulate are given.
 # Inputs:  the rows of the catalogue.
 # Outputs: functions for the directives of ../run.smk and of other rules that simulate
+from sph.jobs.ahead import TOGETHER, Task
+from sph.study.cost import job_cost
 from sph.study.runs import SIMULATION
 
 
@@ -27,10 +29,43 @@ def parent_of(row):
     return lambda wildcards: row(wildcards).parent or []
 
 
-def simulated(row):
-    """Parameters of the job of a row, by a function of the wildcards."""
+def task(row):
+    """A row as its job is given it."""
+    given = asked_of(row)
+    scene, contents = given.pop("scene")
+    sources = SOLVER if row.by == SIMULATION else SEARCHING
+    decides = digest([asked_of(row), sources])
+    return Task(row.file, row.log, row.parent, scene, contents, **given, digest=decides)
+
+
+def ahead(row, own, rule):
+    """What the job of a row goes ahead with: runs of its rule that could start now, as many as make with it the work that short ones share."""
+    ready = (
+        row(job.wildcards)
+        for job in workflow.dag.ready_jobs
+        if not job.is_group() and job.rule.name.endswith(rule)
+    )
+    worked = 0.0
+    for other in ready if own.by == SIMULATION else ():
+        worked = worked or job_cost(own).seconds
+        asked = task(other)
+        if other.by == SIMULATION and not asked.made.exists():
+            worked += job_cost(other).seconds
+            if worked > TOGETHER:
+                return
+            yield asked
+
+
+def simulated(row, rule):
+    """Parameters of the job of a row, by a function of the wildcards, in a rule."""
+
+    def given(wildcards, input):
+        own = task(row(wildcards))
+        return [own] if own.made.exists() else [own, *ahead(row, row(wildcards), rule)]
+
     return {
-        **told(lambda wildcards: asked_of(row(wildcards))),
+        "digest": lambda wildcards: digest(asked_of(row(wildcards))),
+        "given": given,
         "sources": lambda wildcards: (
             SOLVER if row(wildcards).by == SIMULATION else SEARCHING
         ),

@@ -1,0 +1,76 @@
+"""A job whose run is short goes ahead with others, whose own jobs take up what it has made."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from comparison import same_files
+from small_scenes import SceneBuilder
+
+from sph.jobs import simulation
+from sph.jobs.ahead import Task, finished, take_up
+from sph.jobs.log import read_log
+from sph.jobs.simulation import work
+from sph.storage.files import alone
+from sph.study.planned import planned
+from sph.study.runs import SIMULATION
+
+
+def tasks(folder: Path, small_slope: SceneBuilder, **amplitudes: float) -> list[Task]:
+    """Gravity stages, a few steps each."""
+    return [
+        Task(
+            str(folder / "runs" / f"{name}.nc"),
+            str(folder / "logs" / f"{name}.log"),
+            None,
+            *planned(small_slope({"motion.amplitude": amplitude, "gravity.ramp": 0.01, "gravity.duration": 0.02}).model_dump(mode="json")),
+            "gravity",
+            SIMULATION,
+            False,
+            True,
+            f"digest-{name}",
+        )
+        for name, amplitude in amplitudes.items()
+    ]
+
+
+def test_what_is_made_ahead_is_taken_up(tmp_path: Path, small_slope: SceneBuilder) -> None:
+    own, other, fails, held, later = tasks(tmp_path, small_slope, own=1.0, other=2.0, fails=3.0, held=4.0, later=5.0)
+    fails = fails._replace(restart=str(tmp_path / "missing.nc"))
+    with alone(Path(held.file), "job"):
+        work(own, [fails, held, other], 1)
+    assert Path(own.file).is_file() and not own.made.exists()
+    # One that fails loses no other, and says why in its own log alone; one at which another job works is left to that.
+    reason = read_log(Path(fails.log)).reason  # type: ignore[union-attr]
+    assert reason and "missing.nc" in reason and not fails.made.exists()
+    assert not held.made.exists() and not Path(held.log).exists()
+    assert other.made.is_file() and not Path(other.file).exists() and finished(Path(other.file)) == other.made
+    log = Path(other.log).read_text()
+    Path(other.log).unlink()  # as Snakemake does when its own job begins
+    # Its own job makes nothing, keeps the log, and leaves no hidden file; what was made of something else it does not take.
+    assert not take_up(other._replace(digest="of another scene")) and not take_up(later)
+    assert take_up(other) and Path(other.log).read_text() == log and finished(Path(other.file)) == Path(other.file)
+    work(other._replace(file=str(tmp_path / "alone.nc")), [], 1)
+    same_files(tmp_path / "alone.nc", Path(other.file))
+    assert sorted(path.name for path in Path(own.file).parent.glob(".*")) == [], "what is held leaves its lock, which is deleted"
+
+
+def test_a_killed_job_has_lost_nothing_that_it_had_finished(
+    tmp_path: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own, other, meanwhile, last = tasks(tmp_path, small_slope, own=1.0, other=2.0, meanwhile=3.0, last=4.0)
+    make = simulation.make
+
+    def killed_at_last(task: Task, threads: int) -> None:
+        if task is last:
+            raise KeyboardInterrupt
+        make(task, threads)
+        Path(meanwhile.file).touch()  # by its own job, which another core had time for
+
+    monkeypatch.setattr(simulation, "make", killed_at_last)
+    with pytest.raises(KeyboardInterrupt):
+        work(own, [other, meanwhile, last], 1)
+    assert not Path(own.file).exists(), "Snakemake deletes the result of a job that ends so"
+    assert take_up(own) and take_up(other) and not take_up(last)
+    assert not meanwhile.made.exists(), "it is not made twice"
