@@ -41,8 +41,8 @@ from sph.command.options import (
     parse_acceleration,
     parse_conditions,
     parse_error,
+    parse_numbers,
     parse_settings,
-    parse_spacings,
     parse_treatment,
 )
 from sph.command.terminal import Commands, refusals, say
@@ -173,7 +173,7 @@ def info(scene: SceneFile, set_: Settings = None) -> Told:
 
 
 @command(
-    "Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --json",
+    "Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --watch  |  sph check slope.yaml --json",
     "placing the particles; with --stability, testing whether it stands by trial runs",
 )
 def check(
@@ -199,12 +199,15 @@ def check(
             max=10.0,
         ),
     ] = None,
+    watching: Annotated[
+        bool, typer.Option("--watch", help="show section and findings in the browser, and again whenever the scene or its files are saved")
+    ] = False,
     as_json: AsJson = False,
 ) -> Told:
     """Check a scene before it is run: a table, a drawing, and findings on what may spoil its results."""
     from sph.command.check import answer
 
-    return answer(scene, parse_settings(set_), plot, study, static, magnitude, as_json)
+    return answer(scene, parse_settings(set_), plot, study, static, magnitude, as_json, watching)
 
 
 @command("Examples:  sph plot slide.nc  |  sph plot slide.nc --field speed --time 6", "reading the trajectory and drawing it")
@@ -346,7 +349,7 @@ def fos(
 
     check_known("--reduce", [reduce], ("strength", "S_R"))
     changes, of_rule = parse_settings(set_), parse_settings(rule, "--rule")
-    return answer(reduce, scene, changes, tolerance, of_rule, as_json, out, single, parse_spacings(spacings))
+    return answer(reduce, scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
 
 
 @command(
@@ -367,7 +370,7 @@ def yield_acceleration(
     from sph.command.stability import answer
 
     changes, of_rule = parse_settings(set_), parse_settings(rule, "--rule")
-    return answer("acceleration", scene, changes, tolerance, of_rule, as_json, out, single, parse_spacings(spacings))
+    return answer("acceleration", scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
 
 
 @command(
@@ -425,6 +428,30 @@ def newmark(
     up = None if upslope is None else parse_acceleration(upslope, "--upslope")
     peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
     return newmark(motion, parse_settings(set_), down, up, peak, treatment, direction, as_json)
+
+
+@command(
+    "Examples:  sph fit-shear ringshear.csv --normal-stress 100  |  "
+    "sph fit-shear box50.csv box100.csv box200.csv --normal-stress 50,100,200 --height 32 --plot tests.png",
+    "fitting the tests",
+)
+def fit_shear(
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="shear tests (CSV): displacement, shear stress and, if there, normal stress")
+    ],
+    normal: Annotated[
+        str | None, typer.Option("--normal-stress", metavar="KPA,...", help="normal stress of each file without a column of it, kPa")
+    ] = None,
+    height: Annotated[
+        float | None, typer.Option(min=0.1, max=1e4, help="height of the slope, m, from which the width of the softening follows")
+    ] = None,
+    out: Picture = None,
+    as_json: AsJson = False,
+) -> Told:
+    """Fit peak and residual strength and the loss of strength with slip to shear tests, and print the keys of a scene."""
+    from sph.command.fit_shear import fit_shear
+
+    return fit_shear(files, parse_numbers(normal, "--normal-stress"), height, out, as_json)
 
 
 @command(
