@@ -151,6 +151,8 @@ def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
         Column("status", _status),
         Column(f"displacement of {probe} (m)", lambda row: _at_least(row, "displacement_magnitude"), True),
         Column("run-out (m)", lambda row: _at_least(row, "runout"), True),
+        Column("by the energy line (m)", lambda row: metres(row["energy_line_runout"]), True),
+        Column("by Corominas (m)", lambda row: metres(row["corominas_runout"]), True),
         Column("Newmark block (m)", lambda row: metres(row["newmark_displacement"]), True),
         Column("expected error of displacement", lambda row: _share(row["expected_displacement_error"]), True),
         Column("expected error of run-out", lambda row: _share(row["expected_runout_error"]), True),

@@ -398,6 +398,7 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
     many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="")
+    many = many.assign(energy_line_runout=np.nan, corominas_runout=np.nan)
     shown = levels(many, [shaking], "A")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "unlimited")] and "upper bound" not in shown.note
     further = many.assign(runout=[9.0, *[1.0] * 19], findings="thin-box block-not-rigid")
