@@ -55,7 +55,20 @@ def _mean_pressure(run: Run, frame: int) -> np.ndarray:
     return -1e-3 * sum(run[f"stress_{axes}"][frame] for axes in ("xx", "yy", "zz")) / 3.0
 
 
+def _failed(run: Run, frame: int) -> np.ndarray:
+    return run["failed"][frame].astype(float)
+
+
+def _layer(run: Run, frame: int) -> np.ndarray:
+    return run["layer"].astype(float)
+
+
+LAYER = "layer"
+"""The field whose values are numbers of layers: 0 is the scene's own soil."""
+
 FIELDS: dict[str, Field] = {
+    LAYER: Field("layer", "-", _layer),
+    "failed": Field("failed soil: 1", "-", _failed),
     "initial_height": Field("initial elevation", "m", _initial_height),
     "displacement": Field("displacement since the gravity stage", "m", _displacement_magnitude),
     "speed": Field("speed relative to the box", "m/s", _speed),

@@ -93,7 +93,9 @@ def answer(
         [levels(table, dimensions, probe, why), *widths(table)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows))),
-        expected_sentence(scene) if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1 else "differs, see all runs",
+        expected_sentence(scene, not client)
+        if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
+        else "differs, see all runs",
     )
 
 
@@ -127,7 +129,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
         if moving:
             words.append(f"it still moves at the end of {moving} runs" if len(known) > 1 else "it still moves at the end")
     places = places_in(table.columns) if len(known) else ()
-    return ". ".join([*said, "; ".join(words), *(f"{place}: {at_place(known, place, why)[0]}" for place in places)]) + "."
+    return ". ".join([*said, "; ".join(words), *(f"{place}: {at_place(known, place)[0]}" for place in places)]) + "."
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
@@ -315,7 +317,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "") -> tuple[str, str]:
     elif still.any() or not known.any():
         words.append(f"not reached in {_runs(still.sum())}")
     words += [f"not yet in {_runs(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
-    words += [f"unknown in {_runs(braked.sum())}, whose debris is braked: {why}"] * bool(braked.any())
+    words += [f"unknown in {_runs(braked.sum())}, whose debris is braked" + f": {why}" * bool(why)] * bool(braked.any())
     words += [f"its ground moves by up to {metres(of[GROUND].max())} m"] * bool(of[GROUND].max() >= min(AREA_THRESHOLDS.values()))
     gap = -float(of[PASSED][short].max())
     if not there.any() and gap > 0.0:

@@ -207,11 +207,11 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
     fields = {
         name: str((field.json_schema_extra or {}).get("unit", "-"))  # type: ignore[union-attr]
         for name, field in Soil.model_fields.items()
-        if not field.exclude and (name != "cohesion_growth" or any(soil.gradient for soil in scene.soils))
+        if not field.exclude and name != "name" and (name != "cohesion_growth" or any(soil.gradient for soil in scene.soils))
     }
     rows = []
-    for material, layer in zip(scene.materials, (None, *scene.layers.values()), strict=True):
-        name, soil, path = material.name, material.soil, "" if layer is None else f"layers.{material.name}."
+    for name, material, layer in zip(scene.soil_names, scene.materials, (None, *scene.layers.values()), strict=True):
+        soil, path = material.soil, "" if layer is None else f"layers.{material.name}."
         ratio, rate = (
             varied.get(f"{path}{key}")
             or (varied.get(f"coupling.{key}") if layer is None or getattr(layer, key) is None else None)
@@ -222,7 +222,7 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
         values = (varied.get(f"{path}soil.{key}", "" if number is None else f"{number:.6g}") for key, number in numbers.items())
         rows.append(
             (
-                name.replace("_", " "),
+                name,
                 "elsewhere" if layer is None else region_words(layer.region),
                 *values,
                 f"{soil.s_wave_speed:.0f}",

@@ -40,6 +40,13 @@ class UndrainedStrength(CohesionGrowth):
 class Soil(Section):
     """Tables 1 and 2 of the paper."""
 
+    name: str | None = key(
+        "what the scene's own soil is called in figures and tables; layers have the names of their keys; null: soil",
+        source="ours",
+        default=None,
+        min_length=1,
+        max_length=40,
+    )
     density: float = key("density", "kg/m3", "Table 1", ge=1e-3, le=1e5, default=1964.0)
     youngs_modulus: float = key("Young's modulus", "kPa", "Table 1", ge=1e-6, le=1e9, default=1.675e6)
     poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.499, default=0.346)
@@ -113,10 +120,11 @@ class Soil(Section):
 
     @model_serializer(mode="wrap")
     def _stored(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without a growth of cohesion that nobody named, so that what is stored of other scenes stays as it was."""
+        """Without a name and a growth of cohesion that nobody gave, so that what is stored of other scenes stays as it was."""
         stored: dict[str, Any] = handler(self)
-        if self.cohesion_growth is None and "cohesion_growth" not in self.model_fields_set:
-            stored.pop("cohesion_growth", None)
+        for name in ("name", "cohesion_growth"):
+            if getattr(self, name) is None and name not in self.model_fields_set:
+                stored.pop(name, None)
         return stored
 
     @model_validator(mode="after")

@@ -158,8 +158,8 @@ def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summa
     ]
 
 
-def expected_sentence(scene: Scene) -> str:
-    """What the shipped table says of a scene, in words."""
+def expected_sentence(scene: Scene, remedy: bool = True) -> str:
+    """What the shipped table says of a scene, in words, with a ``remedy`` where it says nothing."""
     table = shipped_table(scene.scheme)
     if table is None:
         return NOT_MEASURED_YET
@@ -167,7 +167,7 @@ def expected_sentence(scene: Scene) -> str:
     if expected:
         return expected.sentence()
     if others := unlike(scene):
-        return f"not known for this slope, since {', '.join(others)}; {REMEDY}"
+        return f"not known for this slope, since {', '.join(others)}" + f"; {REMEDY}" * remedy
     if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:
