@@ -69,7 +69,7 @@ def answer(
 ) -> Answer:
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
 
-    That for a ``client`` names no commands.
+    That for a ``client`` names no commands and keys.
     """
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
@@ -92,7 +92,7 @@ def answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
         [levels(table, dimensions, probe, why), *widths(table)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
-        list(map(_raised, _warnings(table, scene, probe, rows))),
+        list(map(_raised, _warnings(table, scene, probe, rows, client))),
         expected_sentence(scene, not client)
         if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
         else "differs, see all runs",
@@ -422,10 +422,10 @@ def _span(low: float, high: float, words: Callable[[float], str]) -> str:
     return " to ".join(dict.fromkeys((words(low), words(high))))
 
 
-def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]) -> list[str]:
+def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row], client: bool) -> list[str]:
     runs = len(table)
     errors, warnings = (
-        [f"{row.runs} of {runs} runs: {sentence(row.finding)}" for row in rows if row.finding.severity == severity]
+        [f"{row.runs} of {runs} runs: {sentence(row.finding, not client)}" for row in rows if row.finding.severity == severity]
         for severity in (Severity.ERROR, Severity.WARNING)
     )
     found = list[str]()
