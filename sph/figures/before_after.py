@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from textwrap import fill
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -42,20 +43,20 @@ def figure_before_after(run: Run, title: str, places: Mapping[str, PlaceAt] | No
 
     ``title`` names the run, ``places`` are as in ``metrics.places``.
     """
-    scene = run.scene
+    scene, failed = run.scene, run.soil & (run["failed"][-1] == 1)
     left, right, lower, upper = frame_limits(run, -1)
     steep = (upper - lower) / (right - left) > STEEP
     across = (WIDTH - 1.6) / (2 if steep else 1)
     left, right, lower, upper = limits = with_room((left, right, lower, upper), scene, places or {}, across)
     panel = across * (upper - lower) / (right - left)
-    height = (1 if steep else 2) * (max(panel, 0.6) + OUTSIDE) + LEGEND_LINE * (len(scene.soils) + 1) + 0.5
+    height = (1 if steep else 2) * (max(panel, 0.6) + OUTSIDE) + LEGEND_LINE * (len(scene.soils) + failed.any()) + 0.5
     figure = Figure(figsize=(WIDTH, height), layout="compressed")
     before, after = figure.subplots(*((1, 2) if steep else (2, 1)), sharex=True, sharey=True)
     draw_layers(before, scene)
     draw_ground(before, scene)
     draw_seams(before, scene)
     draw_water(before, scene, named=True)
-    failed = _draw_failed(before, run)
+    shown = _draw_failed(before, run, failed)
     norm = field_norm({title: run}, "displacement", -1)
     circles = draw_profile(after, run, -1, "displacement", norm)
     for ax, frame in ((before, run.gravity_frame), (after, -1)):
@@ -66,13 +67,12 @@ def figure_before_after(run: Run, title: str, places: Mapping[str, PlaceAt] | No
     before.set_title("Before", loc="left")
     after.set_title(written(fill(f"After: {with_end(title, run)}", TITLE // 2 if steep else TITLE)), loc="left")
     figure.colorbar(circles, ax=after, label="displacement (m)", pad=0.015, fraction=0.03)
-    layer_legend(figure, scene, more=failed)
+    layer_legend(figure, scene, more=shown)
     return figure
 
 
-def _draw_failed(ax: Axes, run: Run) -> list[Patch]:
-    """The soil that has failed by the end of the run, where it lies before the shaking; its entry of a legend, if there is any."""
-    failed = run.soil & (run["failed"][-1] == 1)
+def _draw_failed(ax: Axes, run: Run, failed: np.ndarray) -> list[Patch]:
+    """The particles (n,) that have failed by the end of the run, where they lie before the shaking; their entry of a legend, if any."""
     if not failed.any():
         return []
     look: dict[str, Any] = {"facecolor": FAILED_COLOUR, "alpha": 0.45, "linewidth": 0.0}

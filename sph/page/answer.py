@@ -403,9 +403,8 @@ def _compared(table: pd.DataFrame) -> list[str]:
     energy, field = (_lengths(table[name], lower_bounds(table) & False) for name in ("energy_line_runout", "corominas_runout"))
     if field == NOTHING:
         return []
-    point = f"to {energy} m by the energy line (a sliding point with the residual friction)" if energy != NOTHING else ""
-    slides = f"to {field} m by the mean travel angle of debris slides of this volume (Corominas 1996)"
-    return [f"For comparison, from the crest edge: {', '.join(filter(None, (point, slides)))}."]
+    point = f"{energy} m by the energy line of the residual friction" if energy != NOTHING else ""
+    return [f"Run-out to compare: {', '.join(filter(None, (point, f'{field} m by Corominas (debris slides)')))}."]
 
 
 def _lengths(values: pd.Series, bounds: pd.Series) -> str:

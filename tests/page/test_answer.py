@@ -116,7 +116,7 @@ def test_how_far_others_would_go_is_beside_the_run_outs() -> None:
     runs = RUNS.assign(collapse_class="stable", displacement_magnitude=0.1, newmark_displacement=math.nan)
     assert "Corominas" not in levels(runs, [], "A").note
     note = levels(runs.assign(energy_line_runout=[40.0, 44.0] * 3, corominas_runout=11.0), [], "A").note
-    assert "to 40.0 to 44.0 m by the energy line" in note and "to 11.0 m by the mean travel angle" in note
+    assert "40.0 to 44.0 m by the energy line" in note and "11.0 m by Corominas" in note
 
 
 def test_how_wide_by_the_amplitude() -> None:
