@@ -619,11 +619,11 @@ def meaning(code: str) -> str:
     return message.meaning or str(message.what)
 
 
-def sentence(of: Finding) -> str:
-    """A finding in one sentence."""
+def sentence(of: Finding, keys: bool = True) -> str:
+    """A finding in one sentence, with the ``keys`` to change."""
     what, measured, wanted, key = words(of)
     should = wanted.removeprefix("to ") if wanted.startswith("to ") else f"be {wanted}"
-    return f"{what}: {measured}" + (f", should {should}" if wanted else "") + (f"; change {key}" if key else "")
+    return f"{what}: {measured}" + (f", should {should}" if wanted else "") + (f"; change {key}" if key and keys else "")
 
 
 def line(of: Finding) -> str:

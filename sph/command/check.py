@@ -168,7 +168,7 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
 
 
 def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:
-    """The places of a study's configuration that debris may reach; ValueError for one that is not in front of its slope."""
+    """The places of a study's configuration that debris may reach; ValueError for one that is neither before its slope nor on it."""
     metrics = read_yaml(study).get("metrics") or {}
     if not isinstance(metrics, dict):
         raise ValueError(f"{study}: metrics: must be a section")
@@ -178,7 +178,8 @@ def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:
 
 
 def draw(found: Check, places: Mapping[str, PlaceAt] | None = None) -> Figure:
-    """The scene as a figure, with the places of a study; the drawing library, which needs a folder to write in, is imported here only."""
+    """The scene as a figure, with its critical slip surfaces and the places of a study; the drawing library, which needs a folder to write
+    in, is imported here only."""
     from sph.figures.scene import figure_scene
 
-    return figure_scene(found.scene, found.particles, found.probes, places)
+    return figure_scene(found.scene, found.particles, found.probes, places, found.equilibrium)

@@ -38,6 +38,7 @@ from sph.command.options import (
     Trajectory,
     Trials,
     Unit,
+    WithPlaces,
     parse_acceleration,
     parse_conditions,
     parse_error,
@@ -180,9 +181,7 @@ def check(
     scene: SceneFile,
     set_: Settings = None,
     plot: Picture = None,
-    study: Annotated[
-        Path | None, typer.Option("--configfile", help="configuration of a study whose places (metrics.places) to draw")
-    ] = None,
+    study: WithPlaces = None,
     static: Annotated[
         bool,
         typer.Option(
@@ -218,11 +217,12 @@ def plot(
         str, typer.Option(help="quantity that colours the profile: initial_height, displacement, speed, beta, ...")
     ] = "initial_height",
     time: Annotated[float | None, typer.Option(help="time of the profile in s; the last frame by default")] = None,
+    study: WithPlaces = None,
 ) -> Told:
     """Draw a trajectory: profile, probes and energies."""
     from sph.command.results import plot
 
-    return plot(file, out, field, time)
+    return plot(file, out, field, time, study)
 
 
 @command(
@@ -243,11 +243,12 @@ def animate(
     speed: Annotated[float | None, typer.Option(help="instead of --fps: simulated seconds per second of the film, 1 for real time")] = None,
     motion: Annotated[bool, typer.Option("--motion", help="show the acceleration of the ground below the profile")] = False,
     dpi: Annotated[int, typer.Option(help="dots per inch; 120 gives a picture 850 pixels wide")] = 120,
+    study: WithPlaces = None,
 ) -> Told:
     """Animate a trajectory: the profile, coloured by a field on a fixed scale, as a GIF or an MP4."""
     from sph.command.results import animate
 
-    return animate(file, out, field, every, fps, speed, motion, dpi)
+    return animate(file, out, field, every, fps, speed, motion, dpi, study)
 
 
 @command("Example:  sph export slide.nc --vtk slide_vtk  (then open slide_vtk/slide.pvd in ParaView)", "writing one file per frame")

@@ -7,6 +7,7 @@ from pathlib import Path
 from sph.checks.after_run import after_run
 from sph.checks.layers import braked
 from sph.checks.messages import line
+from sph.command.check import places_of
 from sph.command.outputs import check_apart, check_picture, check_writable
 from sph.command.terminal import say, table
 from sph.measures.fields import check_field
@@ -15,17 +16,28 @@ from sph.output.run import Run
 from sph.scene.strict_json import to_json
 
 
-def plot(file: Path, out: Path | None, field: str, time: float | None) -> str:
+def plot(file: Path, out: Path | None, field: str, time: float | None, study: Path | None) -> str:
     """Draw a profile, probes and energies; the picture's name."""
     from sph.figures.overview import plot
 
     path = out or file.parent / f"{file.stem}.png"
     check_picture(path, [file])
-    plot(file, path, time, field)
+    run = Run.read(file)
+    plot(run, path, time, field, {} if study is None else places_of(study, run.scene))
     return str(path)
 
 
-def animate(file: Path, out: Path | None, field: str, every: int, fps: float | None, speed: float | None, motion: bool, dpi: int) -> str:
+def animate(
+    file: Path,
+    out: Path | None,
+    field: str,
+    every: int,
+    fps: float | None,
+    speed: float | None,
+    motion: bool,
+    dpi: int,
+    study: Path | None,
+) -> str:
     """Film the profile; the film's name."""
     from sph.figures.film import check_film, rate, save_film
 
@@ -37,7 +49,8 @@ def animate(file: Path, out: Path | None, field: str, every: int, fps: float | N
     check_field(field)
     check_writable(path, [file])
     run = Run.read(file)
-    save_film(run, path, field, every, pictures if speed is None else rate(run, every, speed), motion, dpi)
+    places = {} if study is None else places_of(study, run.scene)
+    save_film(run, path, field, every, pictures if speed is None else rate(run, every, speed), motion, dpi, places)
     return str(path)
 
 

@@ -3,31 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from textwrap import fill
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 
+from sph.checks.equilibrium import found_equilibrium
 from sph.figures.history import shade_shaking
-from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
-from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled, written
+from sph.figures.profile import HALO, layer_colours, layer_outlines, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
+from sph.figures.style import GREY, WIDTH, add_note, also_in_g, plain, styled, written
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
-from sph.scene.layers import ElevationRegion, LayerMaterial, OutlinedRegion, Region
+from sph.scene.layers import LayerMaterial
 from sph.scene.motion import NoMotion, reference_amplitude
-from sph.scene.places import Shape
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
+from sph.stability.slip_search import LimitEquilibrium
 from sph.study.dimensions import named
 
-SOIL_COLOUR = "#d9c9a8"
 SEAM_COLOUR = "#8c2d04"
+SURFACE_COLOUR = "#6a0d83"
 LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
 NAMED = 0.12
@@ -38,8 +40,8 @@ TITLE = 80
 
 @styled
 def figure_geometry(run: Run, fidelity: str = "") -> Figure:
-    """Section of the slope with its layers and their properties, and the box that holds it; A is the particle at the crest edge whose
-    motion is followed.  What the study varies has the values of its first run.
+    """Section of the slope with its layers and their properties, the critical slip surfaces, and the box that holds it; A is the particle
+    at the crest edge whose motion is followed.  What the study varies has the values of its first run.
 
     ``run`` is any of the scene.  Raises ValueError for a shape without a slope.
     """
@@ -49,7 +51,9 @@ def figure_geometry(run: Run, fidelity: str = "") -> Figure:
         raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
     dimensioned = isinstance(geometry, Slope)
     reach, top, bottom = 0.09 * geometry.width, 1.1 * geometry.height, (-0.22 if dimensioned else -0.11) * geometry.height
-    height = WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.4 if dimensioned else 0.75) + LEGEND_LINE * len(scene.soils)
+    found = found_equilibrium(scene)
+    lines = len(scene.soils) + (0 if found is None else 2)
+    height = WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.4 if dimensioned else 0.75) + LEGEND_LINE * lines
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     ax = figure.subplots()
     draw_box(ax, scene)
@@ -57,30 +61,26 @@ def figure_geometry(run: Run, fidelity: str = "") -> Figure:
     draw_ground(ax, scene)
     draw_seams(ax, scene)
     draw_water(ax, scene)
+    surfaces = draw_surfaces(ax, found)
     survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
     mark_places(ax, scene, probe_places(run, 0), height=not dimensioned)
     if isinstance(geometry, Slope):
         _draw_dimensions(ax, geometry)
         ax.axis("off")
-    layer_legend(figure, scene)
+    layer_legend(figure, scene, more=surfaces)
     add_note(figure, [scene], fidelity)
     return figure
 
 
-def layer_colours(scene: Scene) -> list[Any]:
-    """A colour for the scene's own soil and every layer, from dark to light among the layers."""
-    others = len(scene.layers)
-    return [to_rgba(SOIL_COLOUR), *(colour_map()(0.15 + 0.5 * n / max(others - 1, 1)) for n in range(others))]
-
-
-def layer_legend(figure: Figure, scene: Scene, shown: Iterable[int] | None = None) -> None:
-    """Colour, name and properties of the scene's own soil and its layers, or of those ``shown``, a line each, above a figure."""
-    names, colours, properties = ("soil", *scene.layers), layer_colours(scene), _material(scene)
+def layer_legend(figure: Figure, scene: Scene, shown: Iterable[int] | None = None, more: Sequence[Artist] = ()) -> None:
+    """Colour, name and properties of the scene's own soil and its layers, or of those ``shown``, a line each, above a figure; below them
+    what ``more`` is drawn."""
+    names, colours, properties = scene.soil_names, layer_colours(scene), _material(scene)
     handles = [
-        Patch(facecolor=colours[n], edgecolor="0.3", linewidth=0.4, label=f"{plain(names[n]).replace('_', ' ')}: {properties[n]}")
+        Patch(facecolor=colours[n], edgecolor="0.3", linewidth=0.4, label=f"{plain(names[n])}: {properties[n]}")
         for n in (range(len(names)) if shown is None else shown)
     ]
-    figure.legend(handles=handles, loc="outside upper left", fontsize=7.5, borderaxespad=0.0)
+    figure.legend(handles=[*handles, *more], loc="outside upper left", fontsize=7.5, borderaxespad=0.0)
 
 
 def draw_layers(ax: Axes, scene: Scene) -> None:
@@ -89,9 +89,20 @@ def draw_layers(ax: Axes, scene: Scene) -> None:
     ground = Polygon([*zip(x, y, strict=True), (scene.geometry.width, 0.0), (0.0, 0.0)], visible=False)
     ax.add_patch(ground)
     regions = [np.array([(0.0, 0.0), (0.0, 2.0 * y.max()), (x[-1], 2.0 * y.max()), (x[-1], 0.0)])]
-    regions += [_outline(layer.region, scene.geometry, x, y) for layer in scene.layers.values()]
+    regions += layer_outlines(scene)
     for outline, colour in zip(regions, layer_colours(scene), strict=True):
         ax.add_patch(Polygon(outline, facecolor=colour, edgecolor="0.3", linewidth=0.5, clip_path=ground))
+
+
+def draw_surfaces(ax: Axes, found: LimitEquilibrium | None) -> list[Line2D]:
+    """The critical slip surfaces by Bishop's and Spencer's methods, where there are any; the lines, named with their factors of safety."""
+    drawn = list[Line2D]()
+    for name, style in (("bishop", (0, (4, 1.5))), ("spencer", "-")):
+        surface = getattr(found, name, None)
+        if surface is not None and surface.x.size:
+            label = f"critical surface, {name.capitalize()}: F = {surface.value:.2f}"
+            drawn += ax.plot(surface.x, surface.y, color=SURFACE_COLOUR, linewidth=1.1, linestyle=style, zorder=3, label=label)
+    return drawn
 
 
 def draw_seams(ax: Axes, scene: Scene) -> None:
@@ -103,20 +114,6 @@ def draw_seams(ax: Axes, scene: Scene) -> None:
         middle = np.flatnonzero(inside)[np.count_nonzero(inside) // 2]
         look: dict[str, Any] = {"color": SEAM_COLOUR, "size": "small", "bbox": HALO, "ha": "center"}
         ax.annotate(plain(name).replace("_", " "), (x[middle], y[middle]), (0, 4), textcoords="offset points", **look)
-
-
-def _outline(region: Region, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Corners (n, 2) of a layer in the box, m, below a ground of these corners."""
-    if isinstance(region, OutlinedRegion):
-        return np.column_stack(geometry.in_box(*region.outline.T))
-    if isinstance(region, ElevationRegion):
-        ends = [
-            geometry.in_box(0.0, end)[1] if end is not None else beyond for end, beyond in ((region.top, y.max()), (region.bottom, 0.0))
-        ]
-        upper, lower = (np.full_like(y, end) for end in ends)
-    else:
-        upper, lower = y - region.top, np.zeros_like(y) if region.bottom is None else y - region.bottom
-    return np.concatenate([np.column_stack([x, upper]), np.column_stack([x, lower])[::-1]])
 
 
 def draw_ground(ax: Axes, scene: Scene) -> None:
@@ -219,18 +216,29 @@ def _draw_dimensions(ax: Axes, geometry: Slope) -> None:
 def _material(scene: Scene) -> list[str]:
     """Properties of the scene's own soil and of every layer in words: solid, then what failed soil keeps."""
     return [
-        f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
-        f"φ = {soil.friction_angle:g}°; failed: {_kept(material)}, "
-        f"{named('gamma').equation(material.gamma)}, η = {soil.viscosity:g} Pa·s"
+        f"ρ = {soil.density:g} kg/m³, E = {_rounded(1e-3 * soil.youngs_modulus)} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
+        f"φ = {soil.friction_angle:g}°; failed: {_failed(material)}"
         for material, soil in zip(scene.materials, scene.soils, strict=True)
     ]
+
+
+def _rounded(value: float) -> str:
+    """A number to three digits, or to a whole one."""
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+
+
+def _failed(material: LayerMaterial) -> str:
+    """What failed soil keeps, how fast it loses the rest and its viscosity, where it has any."""
+    rate = [named("gamma").equation(material.gamma)] * (material.gamma > 0.0)
+    return ", ".join([_kept(material), *rate, *[f"η = {material.soil.viscosity:g} Pa·s"] * (material.soil.viscosity > 0.0)])
 
 
 def coupling_words(scene: Scene) -> str:
     """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named with theirs."""
     own, *others = map(_kept, scene.materials)
     apart = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in zip(scene.layers, others, strict=True) if kept != own]
-    return fill(f"{'; '.join([own, *apart])}, {named('gamma').equation(scene.coupling.gamma)}", TITLE)
+    rate = f", {named('gamma').equation(scene.coupling.gamma)}" if scene.coupling.gamma > 0.0 else ""
+    return fill(f"{'; '.join([own, *apart])}{rate}", TITLE)
 
 
 def _cohesion(soil: Soil) -> str:

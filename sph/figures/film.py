@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from subprocess import CalledProcessError
+from textwrap import fill
 
 import matplotlib
 import numpy as np
@@ -16,9 +17,24 @@ from PIL import Image
 
 from sph.figures.arrangement import coupling_words
 from sph.figures.history import shade_shaking
-from sph.figures.profile import OUTSIDE, draw_profile, field_norm, frame_limits, mark_probes, survey_axes
-from sph.figures.style import STYLE, WIDTH, add_note, colour_map, plain
-from sph.measures.fields import FIELDS, check_field
+from sph.figures.profile import (
+    LINE,
+    LONG_TITLE,
+    OUTSIDE,
+    PER_INCH,
+    draw_places,
+    draw_profile,
+    field_bar,
+    field_colours,
+    field_norm,
+    frame_limits,
+    mark_probes,
+    survey_axes,
+    with_room,
+)
+from sph.figures.style import STYLE, WIDTH, add_note, plain
+from sph.measures.fields import check_field
+from sph.measures.places import PlaceAt
 from sph.output.run import Run
 from sph.storage.files import whole
 
@@ -50,11 +66,19 @@ def rate(run: Run, every: int, speed: float) -> float:
 
 
 def save_film(
-    run: Run, path: Path, field: str = "displacement", every: int = 1, fps: float = 10.0, motion: bool = False, dpi: int = 120
+    run: Run,
+    path: Path,
+    field: str = "displacement",
+    every: int = 1,
+    fps: float = 10.0,
+    motion: bool = False,
+    dpi: int = 120,
+    places: Mapping[str, PlaceAt] | None = None,
 ) -> int:
     """Write every n-th frame of ``outputs.frame_interval`` to a GIF or an MP4, whole or not at all; returns the number of pictures.
 
-    The profile is coloured by a name of ``FIELDS`` on one scale for all frames; ``motion`` adds the acceleration of the ground.
+    The profile is coloured by a name of ``FIELDS`` on one scale for all frames; ``motion`` adds the acceleration of the ground, and posts
+    stand at ``places`` as in ``metrics.places``.
     Raises ValueError as ``check_film`` and for an unknown field, OSError for a file that cannot be written.
     """
     check_film(path, fps, dpi)
@@ -62,25 +86,30 @@ def save_film(
     ratio = run["time"] / run.scene.outputs.frame_interval
     frames = np.flatnonzero(np.isclose(ratio, ratio.round(), rtol=0.0, atol=1e-6))[::every].tolist()
     with matplotlib.rc_context(STYLE):
-        figure, show = draw_film(run, frames, field, motion, dpi)
+        figure, show = draw_film(run, frames, field, motion, dpi, places)
         with whole(path) as temporary:
             (_gif if path.suffix == ".gif" else _mp4)(figure, show, frames, temporary, fps)
     return len(frames)
 
 
-def draw_film(run: Run, frames: Sequence[int], field: str, motion: bool, dpi: int) -> tuple[Figure, Callable[[int], None]]:
+def draw_film(
+    run: Run, frames: Sequence[int], field: str, motion: bool, dpi: int, places: Mapping[str, PlaceAt] | None = None
+) -> tuple[Figure, Callable[[int], None]]:
     """A figure of an even number of pixels each way, as H.264 wants, and the function that shows a frame in it."""
-    scene, chosen, norm = run.scene, FIELDS[field], field_norm({"": run}, field, *frames)
+    scene, norm = run.scene, field_norm({"": run}, field, *frames)
     limits = np.array([frame_limits(run, frame) for frame in frames])
     (left, _, lower, _), (_, right, _, upper) = limits.min(axis=0), limits.max(axis=0)
+    left, right, lower, upper = with_room((left, right, lower, upper), scene, places or {}, WIDTH - 1.4)
     panel = (WIDTH - 1.4) * (upper - lower) / (right - left)
-    size = adjusted_figsize(WIDTH, panel + 2.5 * OUTSIDE + (STRIP + OUTSIDE) * motion, dpi, 2)
+    title, coupling = fill(plain(scene.title or scene.name), LONG_TITLE), coupling_words(scene)
+    heights = panel + 2.5 * OUTSIDE + LINE * f"{title}{coupling}".count("\n"), (STRIP + OUTSIDE) * motion
+    size = adjusted_figsize(WIDTH, sum(heights), dpi, 2)
     figure = Figure(figsize=size, dpi=dpi, layout="constrained")
     FigureCanvasAgg(figure)
     strips = figure.subplots(1 + motion, 1, height_ratios=[panel + OUTSIDE, STRIP][: 1 + motion], squeeze=False)[:, 0]
     profile = strips[0]
     beside = profile.inset_axes((1.015, 0.0, 0.02, 1.0))
-    figure.colorbar(ScalarMappable(norm, colour_map()), cax=beside, label=f"{chosen.label}\n({chosen.units})")
+    field_bar(figure, ScalarMappable(norm, field_colours(field, scene)), field, scene, int(PER_INCH * panel), cax=beside)
     now = None
     if motion:
         strips[1].plot(run["sample_time"], run["ground_acceleration"], color="black", linewidth=0.8)
@@ -95,8 +124,9 @@ def draw_film(run: Run, frames: Sequence[int], field: str, motion: bool, dpi: in
             artist.remove()
         draw_profile(profile, run, frame, field, norm)
         mark_probes(profile, run, frame)
+        draw_places(profile, scene, places or {})
         time = float(run["time"][frame])
-        profile.set_title(f"{plain(scene.title or scene.name)}, {coupling_words(scene)}\nt = {time:5.2f} s", loc="left")
+        profile.set_title(f"{title}\nt = {time:5.2f} s, {coupling}", loc="left")
         survey_axes(profile, scene, (left, right, lower, upper))
         if now is not None:
             now.set_xdata([time, time])

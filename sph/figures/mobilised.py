@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from sph.figures.profile import OUTSIDE, draw_profile, frame_limits
-from sph.figures.style import WIDTH, add_note, plain, styled
+from sph.figures.style import WIDTH, add_note, colour_map, plain, styled
 from sph.measures.fields import FIELDS
 from sph.measures.mobilised import mobilised_by_layer
 from sph.output.run import Run
@@ -26,7 +26,7 @@ def figure_mobilised(run: Run, fidelity: str = "") -> Figure:
     panel = (WIDTH - 1.6) * (upper - lower) / (right - left)
     figure = Figure(figsize=(WIDTH, panel + OUTSIDE + 0.6), layout="compressed")
     ax = figure.subplots()
-    circles = draw_profile(ax, run, frame, "mobilised", Normalize(0.0, 1.0), "lajolla_r")
+    circles = draw_profile(ax, run, frame, "mobilised", Normalize(0.0, 1.0), colour_map("lajolla_r"))
     shown = FIELDS["mobilised"]
     figure.colorbar(circles, ax=ax, label=textwrap.fill(f"{shown.label} ({shown.units})", 22), pad=0.015, fraction=0.03, aspect=20)
     of_layers = ", ".join(f"{plain(name)} {100 * share:.0f} %" for name, share in mobilised_by_layer(run, frame).items())

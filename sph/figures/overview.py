@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from textwrap import fill
 
 import xarray as xr
 from matplotlib.axes import Axes
@@ -11,9 +11,20 @@ from matplotlib.figure import Figure
 
 from sph.figures.arrangement import coupling_words
 from sph.figures.history import shade_shaking
-from sph.figures.profile import draw_profile, field_norm, frame_limits, mark_probes
+from sph.figures.profile import (
+    PER_INCH,
+    draw_places,
+    draw_profile,
+    field_bar,
+    field_norm,
+    frame_limits,
+    mark_probes,
+    survey_axes,
+    with_room,
+)
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, save, styled
-from sph.measures.fields import FIELDS, check_field
+from sph.measures.fields import check_field
+from sph.measures.places import PlaceAt
 from sph.output.run import Run
 from sph.solver.run import Result
 
@@ -21,24 +32,32 @@ ENERGIES = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_
 
 
 @styled
-def plot_trajectory(run: Run, time: float | None = None, field: str = "initial_height", fidelity: str = "") -> Figure:
+def plot_trajectory(
+    run: Run,
+    time: float | None = None,
+    field: str = "initial_height",
+    fidelity: str = "",
+    places: Mapping[str, PlaceAt] | None = None,
+) -> Figure:
     """One run: profile at a time, coloured by a field; displacement of the probes; energies.
 
-    ``time`` (s) picks the last frame not later than it, None the last frame of all; ``field`` is a name of ``FIELDS``.
+    ``time`` (s) picks the last frame not later than it, None the last frame of all; ``field`` is a name of ``FIELDS``, ``places`` are as in
+    ``metrics.places``.
     Raises ValueError for an unknown field and a time outside the run.
     """
     check_field(field)
     scene, frame = run.scene, _frame_at(run, time)
     shown = float(run["time"][frame])
-    left, right, lower, upper = frame_limits(run, frame)
+    limits = with_room(frame_limits(run, frame), scene, places or {}, WIDTH - 2.0)
+    left, right, lower, upper = limits
     panel = (WIDTH - 2.0) * (upper - lower) / (right - left)
     figure = Figure(figsize=(WIDTH, panel + 4.8), layout="constrained")
     axes = figure.subplots(3, 1, height_ratios=[panel + 0.5, 1.7, 1.7])
     circles = draw_profile(axes[0], run, frame, field, field_norm({"": run}, field, frame))
     mark_probes(axes[0], run, frame)
-    chosen = FIELDS[field]
-    beside = axes[0].inset_axes((1.015, 0.0, 0.02, 1.0))
-    figure.colorbar(circles, cax=beside, label=fill(f"{chosen.label} ({chosen.units})", max(12, int(15 * panel))))
+    draw_places(axes[0], scene, places or {})
+    survey_axes(axes[0], scene, limits)
+    field_bar(figure, circles, field, scene, max(12, int(PER_INCH * panel)), cax=axes[0].inset_axes((1.015, 0.0, 0.02, 1.0)))
     axes[0].set_title(f"{plain(scene.title or scene.name)}\nt = {shown:g} s, {coupling_words(scene)}, {run.status}", loc="left")
     _draw_probes(axes[1], run)
     _draw_energies(axes[2], run)
@@ -53,7 +72,11 @@ def plot_trajectory(run: Run, time: float | None = None, field: str = "initial_h
 
 
 def plot(
-    run: Run | Result | xr.Dataset | Path | str, path: Path | str | None = None, time: float | None = None, field: str = "initial_height"
+    run: Run | Result | xr.Dataset | Path | str,
+    path: Path | str | None = None,
+    time: float | None = None,
+    field: str = "initial_height",
+    places: Mapping[str, PlaceAt] | None = None,
 ) -> Figure:
     """Draw a run, its result, trajectory or file, as ``plot_trajectory`` does, and write the picture (.png, .pdf, .svg) if a path is given.
 
@@ -61,7 +84,7 @@ def plot(
     anyway.
     """
     shown = Run.read(run) if isinstance(run, (Path, str)) else Run.of(run.trajectory if isinstance(run, Result) else run)
-    figure = plot_trajectory(shown, time=time, field=field)
+    figure = plot_trajectory(shown, time=time, field=field, places=places)
     if path is not None:
         save(figure, Path(path))
     return figure

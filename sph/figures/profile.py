@@ -8,25 +8,31 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection
-from matplotlib.colors import Normalize
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator
 
-from sph.figures.style import WIDTH, add_note, colour_map, label_panels, plain, styled
-from sph.measures.fields import FIELDS, with_end
-from sph.measures.places import PlaceAt, beyond_toe
+from sph.figures.style import WIDTH, add_note, colour_map, label_panels, plain, soil_colours, styled, written
+from sph.measures.fields import FIELDS, LAYER, with_end
+from sph.measures.places import PlaceAt, foot_of
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES
 from sph.scene.ground_line import GroundLine
+from sph.scene.layers import ElevationRegion, OutlinedRegion, Region
+from sph.scene.places import Shape
 from sph.scene.schema import Scene
 
 OUTSIDE = 0.45
 """Inches beside the axes of a profile that ticks and labels need; only sets the figure's height."""
 PLACE_COLOUR = "#8c2d04"
-POST = 11.0
-"""Height of the post at a place, points."""
+SOIL_COLOUR = "#d9c9a8"
+POST, LETTER = 11.0, 5.2
+"""Height of the post at a place, and width of a letter of its name, points."""
 HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
+FINE = 400
+"""Points along a level side of a layer."""
 PER_INCH = 14.0
 """Characters of a label in an inch."""
 LONG_TITLE, LINE = 72, 0.17
@@ -37,6 +43,28 @@ def surface_line(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Corners of the initial surface from left to right, m."""
     x, y = scene.geometry.surface
     return np.array(x), np.array(y)
+
+
+def layer_outlines(scene: Scene) -> list[np.ndarray]:
+    """Corners (n, 2) of every layer's outline in the box as it lies at the start, below the ground, m."""
+    x, y = surface_line(scene)
+    return [_outline(layer.region, scene.geometry, x, y) for layer in scene.layers.values()]
+
+
+def _outline(region: Region, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Corners (n, 2) of a layer in the box, m, below a ground of these corners."""
+    if isinstance(region, OutlinedRegion):
+        return np.column_stack(geometry.in_box(*region.outline.T))
+    if isinstance(region, ElevationRegion):
+        ends = [
+            geometry.in_box(0.0, end)[1] if end is not None else beyond for end, beyond in ((region.top, y.max()), (region.bottom, 0.0))
+        ]
+        fine = np.union1d(x, np.linspace(x[0], x[-1], FINE))  # a level side ends where it meets the ground
+        upper, lower = (np.minimum(end, np.interp(fine, x, y)) for end in ends)
+        x = fine
+    else:
+        upper, lower = y - region.top, np.zeros_like(y) if region.bottom is None else y - region.bottom
+    return np.concatenate([np.column_stack([x, upper]), np.column_stack([x, lower])[::-1]])
 
 
 def draw_circles(ax: Axes, x: np.ndarray, y: np.ndarray, diameter: float, **style: Any) -> EllipseCollection:
@@ -65,14 +93,40 @@ def _reach(run: Run, frame: int, margin: float) -> tuple[float, float]:
     return min(float(low), x0.min()) - margin, max(float(high), x0.max()) + margin
 
 
-def draw_profile(ax: Axes, run: Run, frame: int, field: str, norm: Normalize, colours: str = "batlow") -> EllipseCollection:
-    """Soil coloured by a field of ``FIELDS``, box in white, initial surface as a thin line; returns the coloured circles."""
+def layer_colours(scene: Scene) -> list[Any]:
+    """A colour for the scene's own soil and every layer, from dark to light among the layers."""
+    others = len(scene.layers)
+    return [to_rgba(SOIL_COLOUR), *(colour_map()(0.15 + 0.5 * n / max(others - 1, 1)) for n in range(others))]
+
+
+def field_colours(field: str, scene: Scene) -> Colormap:
+    """The colours of a field of ``FIELDS``."""
+    return ListedColormap(layer_colours(scene)) if field == LAYER else soil_colours()
+
+
+def field_bar(figure: Figure, drawn: ScalarMappable, field: str, scene: Scene, width: int, **where: Any) -> None:
+    """The scale of a field beside what is ``drawn``, its name in lines of at most ``width`` characters; of layers their names."""
+    shown = FIELDS[field]
+    units = "" if field == LAYER else f" ({shown.units})"
+    bar = figure.colorbar(drawn, label=textwrap.fill(shown.label + units, width), **where)
+    if field == LAYER:
+        names = list(map(plain, scene.soil_names))
+        bar.set_ticks(range(len(names)), labels=names)
+        bar.ax.tick_params(which="minor", length=0)
+
+
+def draw_profile(ax: Axes, run: Run, frame: int, field: str, norm: Normalize, colours: Colormap | None = None) -> EllipseCollection:
+    """Soil coloured by a field of ``FIELDS``, box in white, initial surface as a thin line, outlines of the layers as they lay at the start
+    dotted; returns the coloured circles."""
     scene, soil = run.scene, run.soil
     x, y = run["x"][frame], run["y"][frame]
     spacing = scene.numerics.spacing
     draw_circles(ax, x[~soil], y[~soil], spacing, facecolor="white", edgecolor="0.35", linewidth=0.25)
     values = FIELDS[field].of(run, frame)[soil]
-    circles = draw_circles(ax, x[soil], y[soil], spacing, array=values, cmap=colour_map(colours), norm=norm, edgecolor="0.3", linewidth=0.1)
+    circles = draw_circles(
+        ax, x[soil], y[soil], spacing, array=values, cmap=colours or field_colours(field, scene), norm=norm, edgecolor="0.3", linewidth=0.1
+    )
+    ax.add_collection(LineCollection(layer_outlines(scene), colors="0.25", linewidths=0.5, linestyles=":"))
     surface_x, surface_y = surface_line(scene)
     end_of_soil = run["x0"][soil].max() + 0.5 * spacing  # whole columns of particles may leave a part of the width empty
     ax.plot(np.minimum(surface_x, end_of_soil), surface_y, color="black", linewidth=0.7)
@@ -131,7 +185,17 @@ def mark_place(ax: Axes, name: str, x: float, y: float, above: bool = False) -> 
     halo = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
     offset, level = ((5 * side, 5), "bottom") if above else ((7 * side, 0), "center")
     align = "left" if side > 0 else "right"
-    ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", ha=align, va=level, weight="bold", bbox=halo, zorder=5)
+    ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", ha=align, va=level, weight="bold", bbox=halo, zorder=7)
+
+
+def with_room(limits: Sequence[float], scene: Scene, places: Mapping[str, PlaceAt], width: float) -> tuple[float, float, float, float]:
+    """Left, right, lower and upper end (m) of a section that is ``width`` inches wide, with room for the names of places above it."""
+    left, right, lower, upper = limits
+    point = (right - left) / (72.0 * width)  # m
+    if isinstance(scene.geometry, SLOPES):
+        tops = [foot_of(at, scene.geometry)[1] + point * (POST + LETTER * (len(name) + 1)) for name, at in places.items()]
+        upper = max([upper, *tops])
+    return left, right, lower, upper
 
 
 def draw_places(ax: Axes, scene: Scene, places: Mapping[str, PlaceAt]) -> None:
@@ -142,15 +206,17 @@ def draw_places(ax: Axes, scene: Scene, places: Mapping[str, PlaceAt]) -> None:
     post = {"arrowstyle": "-", "color": PLACE_COLOUR, "linewidth": 1.0, "shrinkA": 0.0, "shrinkB": 0.0}
     look: dict[str, Any] = {"color": PLACE_COLOUR, "size": "small", "weight": "bold", "bbox": HALO, "arrowprops": post, "zorder": 6}
     for name, at in places.items():
-        x = geometry.toe[0] - beyond_toe(at, geometry)
-        foot = x, float(geometry.ground(np.array([x]))[0])
+        foot = foot_of(at, geometry)
         above: dict[str, Any] = {"xytext": (0, POST), "textcoords": "offset points", "ha": "center", "va": "bottom", "rotation": 90}
         ax.annotate(plain(name).replace("_", " "), foot, **above, **look)
 
 
 def field_norm(runs: Mapping[str, Run], field: str, *frames: int) -> Normalize:
     """One scale for the soil of several runs in some frames, the last one by default; a constant field gets a span of 1,
-    values that are not finite are left out."""
+    values that are not finite are left out.  Layers have a step each."""
+    if field == LAYER:
+        count = max(1 + len(run.scene.layers) for run in runs.values())
+        return BoundaryNorm(np.arange(count + 1) - 0.5, count)
     values = np.concatenate([FIELDS[field].of(run, frame)[run.soil] for run in runs.values() for frame in frames or (-1,)])
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
@@ -164,7 +230,10 @@ def stack_of_profiles(runs: Mapping[str, Run], frame: int, field: str, places: M
     if not runs:
         raise ValueError("runs: a figure of profiles needs at least one")
     limits = np.array([frame_limits(run, frame) for run in runs.values()])
-    left, right, lower, upper = limits[:, 0].min(), limits[:, 1].max(), limits[:, 2].min(), limits[:, 3].max()
+    seen = limits[:, 0].min(), limits[:, 1].max(), limits[:, 2].min(), limits[:, 3].max()
+    for run in runs.values():
+        seen = with_room(seen, run.scene, places or {}, WIDTH - 1.6)
+    left, right, lower, upper = seen
     panel = (WIDTH - 1.6) * (upper - lower) / (right - left)
     titles = [textwrap.wrap(with_end(title, run), LONG_TITLE) for title, run in runs.items()]
     more_lines = sum(max(len(lines) - 1, 0) for lines in titles)
@@ -177,12 +246,11 @@ def stack_of_profiles(runs: Mapping[str, Run], frame: int, field: str, places: M
         mark_probes(ax, run, frame)
         draw_places(ax, run.scene, places or {})
     for ax, run in zip(axes, runs.values(), strict=True):
-        survey_axes(ax, run.scene, (left, right, lower, upper))
+        survey_axes(ax, run.scene, seen)
         ax.label_outer()
-    label_panels(axes, ["\n".join(lines) for lines in titles])
-    bar = FIELDS[field]
-    words = textwrap.fill(f"{bar.label} ({bar.units})", max(12, int(PER_INCH * panel * len(runs))))
-    figure.colorbar(circles, ax=list(axes), label=words, pad=0.015, fraction=0.03, aspect=20 * len(runs) ** 0.5)
+    label_panels(axes, [written("\n".join(lines)) for lines in titles])
+    width, scene = max(12, int(PER_INCH * panel * len(runs))), next(iter(runs.values())).scene
+    field_bar(figure, circles, field, scene, width, ax=list(axes), pad=0.015, fraction=0.03, aspect=20 * len(runs) ** 0.5)
     return figure
 
 
@@ -197,14 +265,16 @@ def figure_profiles(runs: Mapping[str, Run], fidelity: str = "") -> Figure:
 
 
 @styled
-def figure_displaced(runs: Mapping[str, Run], fidelity: str = "", places: Mapping[str, PlaceAt] | None = None) -> Figure:
-    """Profiles of the slope at the end of the run, coloured by the displacement of the particles since the gravity stage, on one scale;
-    particles of the box are white, the line is the initial surface, A is the particle at the original crest edge.  Posts stand at the
-    places that debris may reach.
+def figure_displaced(
+    runs: Mapping[str, Run], fidelity: str = "", places: Mapping[str, PlaceAt] | None = None, field: str = "displacement"
+) -> Figure:
+    """Profiles of the slope at the end of the run, coloured on one scale; particles of the box are white, the line is the initial surface,
+    dotted lines are layers as they lay at the start, A is the particle at the original crest edge.  Posts stand at the places that debris
+    may reach.
 
-    ``runs`` by panel title, ``places`` as in ``metrics.places``.  Raises ValueError without runs.
+    ``runs`` by panel title, ``places`` as in ``metrics.places``, ``field`` a name of ``FIELDS``.  Raises ValueError without runs.
     """
-    return _profiles(runs, "displacement", fidelity, places)
+    return _profiles(runs, field, fidelity, places)
 
 
 def _profiles(runs: Mapping[str, Run], field: str, fidelity: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:

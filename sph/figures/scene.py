@@ -10,12 +10,22 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from sph.figures.arrangement import LEGEND_LINE, draw_box, draw_ground, draw_seams, draw_water, layer_colours, layer_legend, mark_places
-from sph.figures.profile import draw_circles, draw_places, survey_axes
+from sph.figures.arrangement import (
+    LEGEND_LINE,
+    draw_box,
+    draw_ground,
+    draw_seams,
+    draw_surfaces,
+    draw_water,
+    layer_legend,
+    mark_places,
+)
+from sph.figures.profile import draw_circles, draw_places, layer_colours, survey_axes
 from sph.figures.style import WIDTH, add_note, colour_map, plain, styled
 from sph.measures.places import PlaceAt
 from sph.scene.schema import Scene
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, varying_layers
+from sph.stability.slip_search import LimitEquilibrium
 
 BAR = 0.75
 """Height of the scale and the coordinates below a panel, inch."""
@@ -26,10 +36,17 @@ SHOWN_WIDTH = 600
 
 
 @styled
-def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int], places: Mapping[str, PlaceAt] | None = None) -> Figure:
+def figure_scene(
+    scene: Scene,
+    particles: Particles,
+    probes: Mapping[str, int],
+    places: Mapping[str, PlaceAt] | None = None,
+    equilibrium: LimitEquilibrium | None = None,
+) -> Figure:
     """Soil coloured by the layer of each particle, walls, ground, phreatic line (dashed), toe and crest; ``probes`` are particles.
 
-    Posts stand at the ``places`` of a study that debris may reach, as in ``metrics.places``.
+    Posts stand at the ``places`` of a study that debris may reach, as in ``metrics.places``.  The critical slip surfaces are those of
+    ``equilibrium``.
 
     A panel each for cohesion and friction angle follows where they vary in space.
     """
@@ -39,7 +56,7 @@ def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int], 
     reach, below, top = thick + 0.06 * width, thick + 0.03 * height, 1.12 * height
     varying = [quantity for quantity in QUANTITIES if varying_layers(scene, quantity)]
     panel = max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8)
-    high = panel + 1.0 + LEGEND_LINE * len(scene.soils) + (panel + BAR) * len(varying)
+    high = panel + 1.0 + LEGEND_LINE * (len(scene.soils) + (0 if equilibrium is None else 2)) + (panel + BAR) * len(varying)
     figure = Figure(figsize=(WIDTH, high), layout="constrained")
     ax, *maps = figure.subplots(1 + len(varying), squeeze=False).ravel()
     draw_box(ax, scene)
@@ -48,6 +65,7 @@ def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int], 
     draw_ground(ax, scene)
     draw_seams(ax, scene)
     draw_water(ax, scene)
+    surfaces = draw_surfaces(ax, equilibrium)
     at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()}
     mark_places(ax, scene, at, before_the_toe=bool(places))
     draw_places(ax, scene, places or {})
@@ -56,7 +74,7 @@ def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int], 
     for quantity, below_it in zip(varying, maps, strict=True):
         _draw_strength(below_it, scene, particles, quantity)
         survey_axes(below_it, scene, (-reach, width + reach, -below, top))
-    layer_legend(figure, scene, np.unique(layer))
+    layer_legend(figure, scene, np.unique(layer), surfaces)
     add_note(figure, [scene])
     return figure
 

@@ -94,7 +94,8 @@ def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) ->
 def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
     """Displacement of the probe and run-out of every run.  A grid is drawn against the amplitude of shaking, or else its first dimension,
     with a curve for every value of another and panels for the rest; a list or a sample against each of its dimensions.  Marks show
-    the class; crosses at the lower edge are runs that diverged, hollow marks runs that failed before the shaking.
+    the class; crosses at the lower edge are runs that diverged, hollow marks runs that failed before the shaking, arrows lower bounds:
+    debris met the end of the box, or was braked.
 
     ``table`` as from ``sph.study.tables.read_table``.  Metrics that no run has, such as the run-out of a block, are left out.  Raises
     ValueError for an empty table.
@@ -254,9 +255,9 @@ def _class_legend(figure: Figure, table: pd.DataFrame, handles: Sequence[Any]) -
     cells = all(isinstance(handle, Patch) for handle in handles)
     mark = Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label=UNSHAKEN) if cells else Line2D([], [], label=UNSHAKEN, **hollow)
     arrows = not cells and lower_bounds(table).any()
-    bounded = [Line2D([], [], label="lower bound: debris met the end of the box, or was braked", **BOUNDED)] if arrows else []
+    bounded = [Line2D([], [], label="lower bound", **BOUNDED)] if arrows else []
     unshaken = [mark] if (table["status"] == Status.FAILED_UNSHAKEN).any() else []
-    figure.legend(handles=[*handles, *diverged, *unshaken, *bounded], loc="outside upper right", ncols=6)
+    figure.legend(handles=[*handles, *diverged, *unshaken, *bounded], loc="outside upper right", ncols=4)
 
 
 def _wrapped(label: str) -> str:

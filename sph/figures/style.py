@@ -9,10 +9,11 @@ from textwrap import fill
 from typing import Any, Literal, ParamSpec
 
 import matplotlib
+import numpy as np
 from cmcrameri import cm as crameri
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from sph.scene.schema import Scene
@@ -66,6 +67,15 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 def colour_map(name: str = "batlow") -> Colormap:
     """A scientific colour map, by its name."""
     return getattr(crameri, name)
+
+
+PALEST = 0.82
+"""Part of the colour map after which soil would not show on paper."""
+
+
+def soil_colours() -> Colormap:
+    """The scientific colour map of soil, without colours that are too pale for debris on paper."""
+    return ListedColormap(colour_map()(np.linspace(0.0, PALEST, 256)))
 
 
 def curve_colours(count: int) -> list[Any]:

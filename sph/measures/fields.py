@@ -60,7 +60,20 @@ def _pressure_ratio(run: Run, frame: int) -> np.ndarray:
     return run["pore_pressure_ratio"][frame] if "pore_pressure_ratio" in run.stored else np.zeros(run["y0"].shape)
 
 
+def _failed(run: Run, frame: int) -> np.ndarray:
+    return run["failed"][frame].astype(float)
+
+
+def _layer(run: Run, frame: int) -> np.ndarray:
+    return run["layer"].astype(float)
+
+
+LAYER = "layer"
+"""The field whose values are numbers of layers: 0 is the scene's own soil."""
+
 FIELDS: dict[str, Field] = {
+    LAYER: Field("layer", "-", _layer),
+    "failed": Field("failed soil: 1", "-", _failed),
     "initial_height": Field("initial elevation", "m", _initial_height),
     "displacement": Field("displacement since the gravity stage", "m", _displacement_magnitude),
     "speed": Field("speed relative to the box", "m/s", _speed),

@@ -30,6 +30,7 @@ from pydantic import model_validator
 
 from sph.measures.linked import largest_mass
 from sph.measures.mobilised import DISC, mobilised_by_layer
+from sph.measures.mobility import COROMINAS, corominas_tangent, line_runout, residual_tangent
 from sph.measures.places import Debris, PlaceAt, PlaceName, at_places, place_columns
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import ProbeHistory, Run
@@ -95,9 +96,24 @@ class MetricSettings(Section):
         default=0.1,
     )
     places: dict[PlaceName, PlaceAt] = key(
-        "places in front of the slope that debris may reach, such as a road, by name: x, or a distance, e.g. '12 beyond the toe'",
+        "places in front of the slope or on it that debris may reach, such as a road, by name: x, or a distance, e.g. '12 beyond the toe'",
         "m",
         default={},
+    )
+    debris_depth: float = key(
+        "least depth of debris at a place that reaches it; half a spacing at least, since less is not resolved",
+        "m",
+        gt=0,
+        le=100,
+        default=0.1,
+    )
+    impact_factor: float = key(
+        "factor on density times squared speed in the impact pressure at a place: 1 is the momentum flux of debris that is stopped, and "
+        "guidance on barriers asks for more",
+        source="GEO Report 270 (Kwan 2012)",
+        gt=0,
+        le=100,
+        default=1.0,
     )
     moving_window: float = key("length of the interval at the end in which a run is tested for motion", "s", gt=0, le=1000, default=0.5)
     moving_speed: float = key("speed above which a run is still moving", "m/s", gt=0, le=100, default=0.05)
@@ -201,6 +217,26 @@ METRICS: tuple[Variable, ...] = (
         "inclination of the line from the original crest edge down to the front (lower left corner of the front particle); "
         "NaN if there is no front",
     ),
+    _number(
+        "energy_line_angle",
+        "degree",
+        "friction angle that the soil of the front keeps after failure, lessened by its ratio r_u: mean of the tangents over the mass that "
+        "the run-out counts; NaN if there is no front or that soil keeps no friction",
+    ),
+    _number(
+        "energy_line_runout",
+        "m",
+        "run-out of a point that slides from the original crest edge with that angle, whose energy line then meets the ground (beyond the "
+        "model: level ground); at least 0.  It has neither cohesion nor the spread of a mass",
+    ),
+    _number(
+        "corominas_angle",
+        "degree",
+        "mean travel angle of debris slides and flows of this volume, log10 tan = "
+        f"{COROMINAS[0]:g} - {-COROMINAS[1]:g} log10 V (Corominas 1996, 71 events): V in m3 is area_moved_50cm times the height of the "
+        "slope, as if the slide were as wide as that; NaN if there is no front",
+    ),
+    _number("corominas_runout", "m", "run-out along a line from the original crest edge with that angle, as energy_line_runout"),
     _number(
         "deposit_height",
         "m",
@@ -414,11 +450,25 @@ def debris_metrics(run: Run, settings: MetricSettings) -> dict[str, float]:
     toe_x, toe_y = scene.geometry.toe
     x0, y0 = shifted(run["x0"][soil], run["y0"][soil], spacing, lattice_shift)
     x = x + lattice_shift * spacing  # the soil's shape lies that much to the left of the toe
-    behind = (x0 > toe_x) & (y0 > toe_y)
-    moved = np.hypot(*run.displacement())[soil] > settings.moved_threshold
-    found = _runout_metrics(x, y, mass, mass & behind & moved, scene.geometry, spacing)
-    debris = Debris(behind, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
-    return found | at_places(run, settings.places, debris, found["runout"])
+    debris = Debris(x0, y0, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
+    moved = np.hypot(*run.displacement())[soil]
+    front = mass & debris.behind(toe_x, toe_y) & (moved > settings.moved_threshold)
+    found = _runout_metrics(x, y, mass, front, scene.geometry, spacing)
+    found |= _mobility_metrics(run, front, float(np.count_nonzero(moved > AREA_THRESHOLDS["area_moved_50cm"])) * spacing**2)
+    return found | at_places(run, settings.places, debris, found["runout"], settings.debris_depth, settings.impact_factor)
+
+
+def _mobility_metrics(run: Run, front: np.ndarray, area: float) -> dict[str, float]:
+    """How far a sliding point and slides of the field go, beside the run-out; ``front`` (soil,) is its soil, ``area`` (m2) has moved."""
+    geometry, found = run.scene.geometry, dict[str, float]()
+    assert isinstance(geometry, SLOPES)
+    tangents = {
+        "energy_line": residual_tangent(run, front) if front.any() else math.nan,
+        "corominas": corominas_tangent(area * geometry.slope_height) if front.any() and area > 0.0 else math.nan,
+    }
+    for name, tangent in tangents.items():
+        found |= {f"{name}_angle": math.degrees(math.atan(tangent)), f"{name}_runout": line_runout(geometry, tangent)}
+    return found
 
 
 def _area_change(run: Run) -> float:

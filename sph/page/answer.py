@@ -18,8 +18,8 @@ from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.experiments.trigger.exceedance import SHARES, width_within
 from sph.experiments.variants.advice import expected_sentence
 from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, read_spacing
-from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
-from sph.measures.places import ARRIVAL, DEPTH, PASSED, column_of, places_in
+from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, ENERGY_LIMIT, STABLE
+from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.measures.sides import BACK
 from sph.page.alternatives import compared
 from sph.page.tables import AT_LEAST, MAX_VALUES, NOTHING, Table, metres
@@ -70,7 +70,7 @@ def answer(
 ) -> Answer:
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
 
-    That for a ``client`` names no commands.
+    That for a ``client`` names no commands and keys.
     """
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
@@ -85,7 +85,7 @@ def answer(
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), less),
         *answer_spacing(found(SPACINGS)),
-        *at_places(table, scene.numerics.spacing, why),
+        *at_places(table, why),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     return Answer(
@@ -93,8 +93,10 @@ def answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
         [*compared(table, dimensions, probe), levels(table, dimensions, probe, why), *widths(table)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
-        list(map(_raised, _warnings(table, scene, probe, rows))),
-        expected_sentence(scene) if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1 else "differs, see all runs",
+        list(map(_raised, _warnings(table, scene, probe, rows, client))),
+        expected_sentence(scene, not client)
+        if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
+        else "differs, see all runs",
     )
 
 
@@ -120,12 +122,15 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
         else:
             words = [f"{level} {fail} of {len(known)} runs fail" + f", {collapse} of them by collapse" * bool(collapse)]
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
+        moving = int((known["still_moving"] > 0).sum())
         if (farthest := known["runout"].max()) > 0.0:
-            words.append(f"debris runs {'at least' if lower_bounds(known).any() else 'up to'} {metres(farthest)} m beyond the toe")
-        if moving := int((known["still_moving"] > 0).sum()):
+            words.append(
+                f"debris runs {'at least' if moving or lower_bounds(known).any() else 'up to'} {metres(farthest)} m beyond the toe"
+            )
+        if moving:
             words.append(f"it still moves at the end of {moving} runs" if len(known) > 1 else "it still moves at the end")
     places = places_in(table.columns) if len(known) else ()
-    return ". ".join([*said, "; ".join(words), *(f"{place}: {at_place(known, place, math.inf, why)[0]}" for place in places)]) + "."
+    return ". ".join([*said, "; ".join(words), *(f"{place}: {at_place(known, place)[0]}" for place in places)]) + "."
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
@@ -290,33 +295,43 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
     return found
 
 
-def at_places(table: pd.DataFrame, spacing: float, why: str = "") -> list[tuple[str, str, str]]:
+def at_places(table: pd.DataFrame, why: str = "") -> list[tuple[str, str, str]]:
     """What the debris does at each place."""
-    return [(f"At {place}", *at_place(table, place, spacing, why)) for place in places_in(table.columns)]
+    return [(f"At {place}", *at_place(table, place, why)) for place in places_in(table.columns)]
 
 
-def at_place(table: pd.DataFrame, place: str, spacing: float, why: str = "") -> tuple[str, str]:
-    """In how many runs the debris reaches a place and how deep it lies there, and when it arrives; where it is reached in none, by how
-    much the ground rises there, if by more than the half spacing (m) that its rows of particles may lie above it.
+def at_place(table: pd.DataFrame, place: str, why: str = "") -> tuple[str, str]:
+    """In how many runs the debris reaches a place, how deep, how fast and with what pressure, and when; how far short of it the debris
+    stops, and how far the ground of the place itself moves.
 
     While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``."""
-    passed, depth, arrival = (table[column_of(place, quantity)] for quantity in (PASSED, DEPTH, ARRIVAL))
-    known, there = passed.notna().sum(), passed >= 0.0
-    unknown = passed.notna() & ~there & table["findings"].map(is_braked)
+    of = {quantity: table[column_of(place, quantity)] for quantity in (REACHED, PASSED, ARRIVAL, PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)}
+    known, there = of[REACHED].notna(), of[REACHED] > 0.0
+    short = known & ~there
+    braked = short & table["findings"].map(is_braked)
+    moving = short & ~braked & (table["still_moving"] > 0)
+    still = short & ~braked & ~moving
+    words, how = list[str](), list[str]()
     if there.any():
-        words = f"reached in {int(there.sum())} of {known} runs; debris up to {metres(depth[there].max())} m deep"
-        words += f"; unknown in {unknown.sum()}, whose debris is braked: {why}" * bool(unknown.any())
-        return words, f"first arrival {arrival.min():.3g} s after the start of the run" if arrival.notna().any() else ""
-    if unknown.any():
-        braked = f"unknown in {unknown.sum()} runs, whose debris is braked: {why}"
-        words = ", ".join([f"not reached in {known - unknown.sum()} runs"] * bool(unknown.sum() < known) + [braked])
-        return words, f"braked, the debris stops {metres(-passed[unknown].max())} m short of it"
-    moving = table["still_moving"][passed.notna()] > 0
-    if moving.any():
-        words = f"not reached by the end of {known} runs, in {int(moving.sum())} of which debris still moves"
-        return words, f"the debris is at least {metres(-passed.max())} m short of it then; run them for longer"
-    rises = f"; the ground there rises by up to {metres(depth.max())} m" * bool(known and depth.max() > 0.5 * spacing)
-    return f"not reached in {known} runs" + rises, f"the debris stops at least {metres(-passed.max())} m short of it" if known else ""
+        words.append(f"reached in {there.sum()} of {_runs(known.sum())}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
+        words.append(f"{of[PEAK_SPEED][there].max():.2g} m/s and {1e-3 * of[PRESSURE][there].max():.2g} kPa at most")
+        how += [f"first arrival {of[ARRIVAL].min():.3g} s after the start of the run"] * bool(of[ARRIVAL].notna().any())
+    elif still.any() or not known.any():
+        words.append(f"not reached in {_runs(still.sum())}")
+    words += [f"not yet in {_runs(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
+    words += [f"unknown in {_runs(braked.sum())}, whose debris is braked" + f": {why}" * bool(why)] * bool(braked.any())
+    words += [f"its ground moves by up to {metres(of[GROUND].max())} m"] * bool(of[GROUND].max() >= min(AREA_THRESHOLDS.values()))
+    gap = -float(of[PASSED][short].max())
+    if not there.any() and gap > 0.0:
+        if moving.any():
+            how.append(f"the debris is at least {metres(gap)} m short of it then; run them for longer")
+        else:
+            how.append(f"{'braked, ' * bool(braked.any())}the debris stops at least {metres(gap)} m short of it")
+    return "; ".join(words), "; ".join(how)
+
+
+def _runs(count: float) -> str:
+    return f"{count:.0f} run" if count == 1 else f"{count:.0f} runs"
 
 
 def yearly(files: Sequence[str], falls: bool = False) -> list[tuple[str, str, str]]:
@@ -377,11 +392,21 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
         notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")
     if why:
         notes.append(f"{AT_LEAST.strip()}: debris is braked, so the value is too small: {why}.")
+    notes += _compared(table)
     if table["newmark_displacement"].notna().any():
         soft = table["findings"].str.contains("block-not-rigid").any()
         rigid = "; where the slope is not rigid, the slip of the block is not an upper bound" if soft else ""
         notes.append(f"The Newmark block is rigid and uses the yield acceleration above{rigid}.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
+
+
+def _compared(table: pd.DataFrame) -> list[str]:
+    """How far a sliding point and slides of the field go, beside the run-outs, in a sentence; none where no run has debris."""
+    energy, field = (_lengths(table[name], lower_bounds(table) & False) for name in ("energy_line_runout", "corominas_runout"))
+    if field == NOTHING:
+        return []
+    point = f"{energy} m by the energy line of the residual friction" if energy != NOTHING else ""
+    return [f"Run-out to compare: {', '.join(filter(None, (point, f'{field} m by Corominas (debris slides)')))}."]
 
 
 def _lengths(values: pd.Series, bounds: pd.Series) -> str:
@@ -398,10 +423,10 @@ def _span(low: float, high: float, words: Callable[[float], str]) -> str:
     return " to ".join(dict.fromkeys((words(low), words(high))))
 
 
-def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]) -> list[str]:
+def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row], client: bool) -> list[str]:
     runs = len(table)
     errors, warnings = (
-        [f"{row.runs} of {runs} runs: {sentence(row.finding)}" for row in rows if row.finding.severity == severity]
+        [f"{row.runs} of {runs} runs: {sentence(row.finding, not client)}" for row in rows if row.finding.severity == severity]
         for severity in (Severity.ERROR, Severity.WARNING)
     )
     found = list[str]()

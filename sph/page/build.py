@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import datetime
 import io
 import math
 import os
@@ -67,7 +68,9 @@ class StudyFiles(NamedTuple):
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure of the study was drawn, by its name
     probe: str = "A"
     places: Mapping[str, PlaceAt] = {}
-    client: bool = False  # the page is without paths, commands and what has still to be made
+    client: bool = False  # the page is without keys, paths, commands and what has still to be made
+    project: str = ""  # of a client's page
+    author: str = ""
 
 
 class Picture(NamedTuple):
@@ -152,7 +155,8 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     page = template().render(
         study=study,
         scene=scene,
-        scene_table=keys,
+        scene_table=None if study.client else keys,
+        today=datetime.date.today().isoformat() if study.client else "",
         key_table=chosen_keys(keys),
         layer_table=layer_table(scene, varied),
         answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client),
@@ -188,7 +192,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         "points": facts,
         "table": base64.b64encode(zlib.compress(table.to_csv(index=False, na_rep="NaN", lineterminator="\n").encode(), 9)).decode(),
     }
-    data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST)
+    data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST, study.places)
     for point, run in zip(facts.values(), data.pop("runs"), strict=False):
         point["run"] = run
     before, _, after = page.rpartition(DATA)
@@ -202,7 +206,8 @@ def as_json(data: Any) -> str:
 
 def found_part(section: Section, study: StudyFiles) -> Part:
     """A section with the tables and figures of the study that belong to it."""
-    tables = [csv_table(file, caption, section.variables, section.aside) for file, caption in of(section.tables, study.files, study.folder)]
+    aside = (*section.aside, *section.keys) if study.client else section.aside
+    tables = [csv_table(file, caption, section.variables, aside) for file, caption in of(section.tables, study.files, study.folder)]
     pictures = []
     shown = {f"{study.folder}/figures/{name}.png": runs for name, runs in study.shown.items()}
     for file, drawing in of(section.figures, study.files, study.folder):

@@ -16,9 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.colors import to_hex
 
-from sph.figures.profile import frame_limits, surface_line
-from sph.figures.style import colour_map
+from sph.figures.profile import frame_limits, layer_outlines, surface_line
+from sph.figures.style import soil_colours
+from sph.measures.places import PlaceAt, foot_of
 from sph.output.run import Run
+from sph.scene.geometry import SLOPES
 from sph.scene.ground_line import GroundLine
 from sph.scene.motion import NoMotion
 from sph.scene.strict_json import to_json
@@ -58,20 +60,20 @@ DETAILS = tuple(Detail(frames, 1) for frames in (1, 2, 4, 8, None)) + tuple(Deta
 """From all to little: the first with which the runs fit into the page is taken."""
 
 
-def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, Any]:
-    """What the page needs to draw the runs of a study, as JSON in at most ``room`` characters.
+def explorer(paths: Sequence[Path | str], probe: str, room: int, places: Mapping[str, PlaceAt] | None = None) -> dict[str, Any]:
+    """What the page needs to draw the runs of a study and its ``places``, as JSON in at most ``room`` characters.
 
     ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is not a run and a probe that it lacks.
     """
     first = Run.read(paths[0])
-    surroundings, limits = surroundings_of(first), np.array(frame_limits(first, 0))
+    surroundings, limits = surroundings_of(first, places), np.array(frame_limits(first, 0))
     shared = surroundings | {
         "probe": probe,
-        "colours": [to_hex(colour) for colour in colour_map()(np.linspace(0.0, 1.0, COLOURS))],
+        "colours": [to_hex(colour) for colour in soil_colours()(np.linspace(0.0, 1.0, COLOURS))],
     }
     room -= _size(shared)
     for detail in DETAILS:
-        runs = list(_within(room, (run_data(Run.read(path), probe, detail, surroundings) for path in paths)))
+        runs = list(_within(room, (run_data(Run.read(path), probe, detail, surroundings, places) for path in paths)))
         if len(runs) == len(paths):
             break
     else:
@@ -91,16 +93,20 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
     }
 
 
-def surroundings_of(run: Run) -> dict[str, Any]:
-    """What is drawn around the soil, the grid of its positions (``quantum`` and ``middle``, m) and how these lie in the survey (``origin``,
-    m, and ``direction``): the same for runs of one slope."""
-    scene, limits = run.scene, np.array(frame_limits(run, 0))
+def surroundings_of(run: Run, places: Mapping[str, PlaceAt] | None = None) -> dict[str, Any]:
+    """What is drawn around the soil, ``places`` with where they stand (m), the outlines of layers, the grid of its positions (``quantum``
+    and ``middle``, m) and how these lie in the survey (``origin``, m, and ``direction``): the same for runs of one slope."""
+    scene, geometry, limits = run.scene, run.scene.geometry, np.array(frame_limits(run, 0))
     low, high = limits[::2], limits[1::2]
     return {
         "spacing": scene.numerics.spacing,
         "quantum": max(scene.numerics.spacing / QUANTA, float(np.max(high - low)) / RANGE),
         "middle": (0.5 * (low + high)).tolist(),
         "surface": [corners.tolist() for corners in surface_line(scene)],
+        "layers": [np.round(outline, 2).T.tolist() for outline in layer_outlines(scene)],
+        "places": [[name.replace("_", " "), *foot_of(at, geometry)] for name, at in (places or {}).items()]
+        if isinstance(geometry, SLOPES)
+        else [],
         "box": [np.round(run[name][~run.soil], 3).tolist() for name in ("x0", "y0")],
         "origin": list(scene.geometry.origin),
         "direction": scene.geometry.direction,
@@ -109,12 +115,14 @@ def surroundings_of(run: Run) -> dict[str, Any]:
     }
 
 
-def run_data(run: Run, probe: str, detail: Detail, shared: Mapping[str, Any]) -> dict[str, Any]:
+def run_data(
+    run: Run, probe: str, detail: Detail, shared: Mapping[str, Any], places: Mapping[str, PlaceAt] | None = None
+) -> dict[str, Any]:
     """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
     (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
     picture and ``largest`` displacement (m) of a particle, empty and 0 for a diverged run;
     ``reason`` of its status; ``own``: its surroundings where they differ from the ``shared`` ones."""
-    surroundings = surroundings_of(run)
+    surroundings = surroundings_of(run, places)
     quanta = Quanta(np.array(surroundings["middle"]), surroundings["quantum"])
     history = run.history(probe)
     start, last = run.gravity_frame, run["time"].size - 1

@@ -4,7 +4,7 @@
   const study = JSON.parse(document.getElementById("data").textContent);
   const byId = (id) => document.getElementById(id);
   const form = byId("choice"), slider = byId("time"), play = byId("play");
-  const INK = "#1b1d21", SOFT = "#5c636e", LINE = "#c9ced6", BAND = "#eef0f3", VERTICAL = "#011959", HORIZONTAL = "#c4622d";
+  const INK = "#1b1d21", SOFT = "#5c636e", LINE = "#c9ced6", BAND = "#eef0f3", VERTICAL = "#011959", HORIZONTAL = "#c4622d", PLACE = "#8c2d04";
   const FONT = "12px system-ui, sans-serif";
   const LOST = -32768; // a position that is not a number or outside the range
   let chosen = null; // point, its run unpacked, time as text
@@ -131,10 +131,13 @@
 
   function drawProfile(frame) {
     const canvas = byId("profile"), width = canvas.parentElement.clientWidth;
+    const { n, places, scene: own } = chosen.run;
     const box = { x: 58, y: 22, w: width - 70, h: 0 }; // room for the name of a probe at the top
-    box.h = (box.w * (study.upper - study.lower)) / (study.right - study.left); // equal aspect
+    const scaleOf = box.w / (study.right - study.left);
+    for (const [name, , y] of own.places) box.y = Math.max(box.y, 24 + 8 * name.length - scaleOf * (study.upper - y)); // and for places
+    box.h = scaleOf * (study.upper - study.lower); // equal aspect
     const ink = pen(canvas, box.y + box.h + 104);
-    const { n, places, scene: own } = chosen.run, bins = study.colours.map(() => []);
+    const bins = study.colours.map(() => []);
     // The axes are those of the survey; a slope that falls to the right does so.
     const along = (x) => own.origin[0] + own.direction * x, ends = [along(study.left), along(study.right)].sort((one, other) => one - other);
     const heights = [study.lower, study.upper].map((y) => y + own.origin[1]);
@@ -163,6 +166,34 @@
     ink.beginPath();
     own.surface[0].forEach((x, i) => ink.lineTo(X(x), Y(own.surface[1][i])));
     ink.stroke();
+    ink.lineWidth = 0.8;
+    ink.strokeStyle = SOFT;
+    ink.setLineDash([2, 2]);
+    for (const [xs, ys] of own.layers) {
+      ink.beginPath();
+      xs.forEach((x, i) => ink.lineTo(X(x), Y(ys[i])));
+      ink.closePath();
+      ink.stroke();
+    }
+    ink.setLineDash([]);
+    for (const [name, x, y] of own.places) { // a post on the initial ground, with the name upright above it
+      ink.lineWidth = 1.6;
+      ink.strokeStyle = PLACE;
+      ink.beginPath();
+      ink.moveTo(X(x), Y(y));
+      ink.lineTo(X(x), Y(y) - 14);
+      ink.stroke();
+      ink.save();
+      ink.translate(X(x), Y(y) - 17);
+      ink.rotate(-Math.PI / 2);
+      ink.font = `bold ${FONT}`;
+      ink.lineWidth = 3;
+      ink.strokeStyle = "#fff";
+      Object.assign(ink, { textAlign: "left", textBaseline: "middle" });
+      ink.strokeText(name, 0, 0);
+      write(ink, name, 0, 0, "left", "middle", PLACE);
+      ink.restore();
+    }
     const [x, y] = [places[2 * n * frame], places[2 * n * frame + n]];
     if (x !== LOST) {
       const at = [X(own.middle[0] + own.quantum * x), Y(own.middle[1] + own.quantum * y)];

@@ -30,11 +30,10 @@ PAPER_SECTIONS: tuple[Section, ...] = (
 
 
 def sections_of(study: Study) -> tuple[Section, ...]:
-    """The sections of a study's page: the paper's, without figures that are left out, or those of any."""
+    """The sections of a study's page, the paper's or those of any, without figures that are left out."""
     second = (SPACING,) if study.second_fidelity not in (None, study.fidelity) else ()
-    if not isinstance(study, PaperStudy):
-        return SECTIONS + second
-    return tuple(_without(section, study.left_out) for section in PAPER_SECTIONS) + second
+    sections = PAPER_SECTIONS if isinstance(study, PaperStudy) else SECTIONS
+    return tuple(_without(section, study.left_out) for section in sections) + second
 
 
 def _without(section: Section, left_out: Mapping[str, str]) -> Section:

@@ -40,6 +40,7 @@ class Section(NamedTuple):
     figures: Mapping[str, Drawing] = {}  # by pattern of PNG files
     variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
     aside: Sequence[str] = ()  # columns of its tables that are for programs
+    keys: Sequence[str] = ()  # others that name keys and codes, which a client does not need
     always: bool = False  # made with every study
 
 
@@ -64,6 +65,7 @@ PREFLIGHT = Section(
     "snakemake --cores 2",
     tables={"{fidelity}/preflight.csv": "Findings"},
     aside=("worst_run", "subject", "off_by", "numbers"),
+    keys=("code", "key"),
     always=True,
 )
 FIGURES = Section(

@@ -151,6 +151,8 @@ def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
         Column("status", _status),
         Column(f"displacement of {probe} (m)", lambda row: _at_least(row, "displacement_magnitude"), True),
         Column("run-out (m)", lambda row: _at_least(row, "runout"), True),
+        Column("by the energy line (m)", lambda row: metres(row["energy_line_runout"]), True),
+        Column("by Corominas (m)", lambda row: metres(row["corominas_runout"]), True),
         Column("Newmark block (m)", lambda row: metres(row["newmark_displacement"]), True),
         Column("expected error of displacement", lambda row: _share(row["expected_displacement_error"]), True),
         Column("expected error of run-out", lambda row: _share(row["expected_runout_error"]), True),
@@ -206,12 +208,13 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
         name: str((field.json_schema_extra or {}).get("unit", "-"))  # type: ignore[union-attr]
         for name, field in Soil.model_fields.items()
         if not field.exclude
+        and name != "name"
         and (name != "cohesion_growth" or any(soil.gradient for soil in scene.soils))
         and (name not in LIQUEFIES or any(getattr(soil, name) is not None for soil in scene.soils))
     }
     rows = []
-    for material, layer in zip(scene.materials, (None, *scene.layers.values()), strict=True):
-        name, soil, path = material.name, material.soil, "" if layer is None else f"layers.{material.name}."
+    for name, material, layer in zip(scene.soil_names, scene.materials, (None, *scene.layers.values()), strict=True):
+        soil, path = material.soil, "" if layer is None else f"layers.{material.name}."
         ratio, rate = (
             varied.get(f"{path}{key}")
             or (varied.get(f"coupling.{key}") if layer is None or getattr(layer, key) is None else None)
@@ -222,7 +225,7 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
         values = (varied.get(f"{path}soil.{key}", "" if number is None else f"{number:.6g}") for key, number in numbers.items())
         rows.append(
             (
-                name.replace("_", " "),
+                name,
                 "elsewhere" if layer is None else region_words(layer.region),
                 *values,
                 f"{soil.s_wave_speed:.0f}",

@@ -368,6 +368,11 @@ class Scene(Section):
         return self.soil, *(layer.soil for layer in self.layers.values())
 
     @property
+    def soil_names(self) -> tuple[str, ...]:
+        """What these soils are called in figures and tables."""
+        return self.soil.name or "soil", *(name.replace("_", " ") for name in self.layers)
+
+    @property
     def soil_keys(self) -> tuple[str, ...]:
         """Dotted keys of these soils."""
         return "soil", *(f"layers.{name}.soil" for name in self.layers)

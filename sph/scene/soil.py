@@ -44,6 +44,13 @@ class UndrainedStrength(CohesionGrowth):
 class Soil(Section):
     """Tables 1 and 2 of the paper."""
 
+    name: str | None = key(
+        "what the scene's own soil is called in figures and tables; layers have the names of their keys; null: soil",
+        source="ours",
+        default=None,
+        min_length=1,
+        max_length=40,
+    )
     density: float = key("density", "kg/m3", "Table 1", ge=1e-3, le=1e5, default=1964.0)
     youngs_modulus: float = key("Young's modulus", "kPa", "Table 1", ge=1e-6, le=1e9, default=1.675e6)
     poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.499, default=0.346)
@@ -155,7 +162,7 @@ class Soil(Section):
     def _stored(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Without what later versions added and nobody named, so that what is stored of other scenes stays as it was."""
         stored: dict[str, Any] = handler(self)
-        return without_unnamed(self, stored, ("cohesion_growth", *LIQUEFIES))
+        return without_unnamed(self, stored, ("name", "cohesion_growth", *LIQUEFIES))
 
     @model_validator(mode="after")
     def _one_density(self) -> Soil:

@@ -14,8 +14,9 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import pandas as pd
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
+from sph.measures.fields import FIELDS, check_field
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, key, validated
 from sph.scene.names import check_known
@@ -48,6 +49,8 @@ MOBILISED = "mobilised"
 """The figure of one run at the end of its gravity stage."""
 PROFILES = "profiles"
 """The figure of some runs at their end."""
+OF_ALL_RUNS = {"study": 1, "map": 2}
+"""The figures of all runs, with the fewest dimensions in which runs must differ for it to show anything."""
 FEW_PROFILES = 4
 """Runs that it shows where the study does not choose them."""
 MAX_SHOWN = 200
@@ -68,6 +71,11 @@ def _dimensions_kept(grid: Any) -> Any:
     return in_si({name: values for name, values in grid.items() if values is not None}) if isinstance(grid, Mapping) else grid
 
 
+def _known_field(name: str) -> str:
+    check_field(name)
+    return name
+
+
 class FigureCases(Section):
     """Which runs figures show."""
 
@@ -75,6 +83,9 @@ class FigureCases(Section):
         "runs whose profiles are drawn, by the names of their files without suffix; none: four, spread evenly through the study",
         default=(),
         max_length=12,
+    )
+    field: Annotated[str, AfterValidator(_known_field)] = key(
+        f"quantity that colours these profiles: {', '.join(FIELDS)}", default="displacement"
     )
 
 
@@ -120,8 +131,12 @@ class Study(Section):
         default="mean",
     )
     page: Literal["full", "client"] = key(
-        "client: the page leaves out paths, commands, costs and sections that have not been made yet", default="full"
+        "client: the page leaves out keys, paths, commands, costs and sections that have not been made yet, and has project, author and "
+        "date",
+        default="full",
     )
+    project: str = key("project that the client's page is for", default="", max_length=200)
+    author: str = key("who answers for the client's page", default="", max_length=200)
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     experiments: dict[str, str] = key(
         "file of an experiment, by the name of its target, found like the scene; config/<name>.yaml for targets that are left out",
@@ -267,14 +282,16 @@ class Study(Section):
     def figure_files(self) -> dict[str, list[str]]:
         """Names of the runs from which a figure is drawn, by the name of its file; ValueError where the study lacks what one needs.
 
-        The figures of all runs (``sph.figures.STUDY_FIGURES``) are not among them.
+        The figures of all runs (``OF_ALL_RUNS``) are not among them.
         """
         return dict.fromkeys((*INPUT_FIGURES, MOBILISED), list(self.runs)[:1]) | {PROFILES: self.profile_runs}
 
     @property
     def left_out(self) -> dict[str, str]:
-        """Figures that cannot be drawn of this study, with the reason."""
-        return {}
+        """Figures that cannot be drawn of this study, or would show nothing, with the reason."""
+        varied = sum(len(set(values)) > 1 for values in self.values.values())
+        differ = {0: "there is one run", 1: "the runs differ in one dimension"}
+        return {name: differ[varied] for name, needed in OF_ALL_RUNS.items() if varied < needed}
 
     def why_without(self, figure: str) -> str:
         """Why this study has no figure of that name."""

@@ -13,7 +13,7 @@ from sph.experiments.trigger.boundaries import Boundary, block_displacement, in_
 from sph.measures.metrics import UNDETERMINED, MetricSettings
 from sph.scene.schema import make_scene
 
-RUN = {"collapse_class": "damaged", "runout": 12.0, "displacement_magnitude": 1.5, "road_passed": -0.5, "house_passed": 0.0}
+RUN = {"collapse_class": "damaged", "runout": 12.0, "displacement_magnitude": 1.5, "road_reached": 0.0, "house_reached": 1.0}
 READ: Any = TypeAdapter(Boundary).validate_python
 
 

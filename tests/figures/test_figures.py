@@ -32,8 +32,9 @@ from sph.figures import (
     plot_trajectory,
     save,
 )
-from sph.figures.arrangement import layer_colours, motion_name
-from sph.figures.profile import field_norm
+from sph.figures.arrangement import motion_name
+from sph.figures.before_after import figure_before_after
+from sph.figures.profile import field_norm, layer_colours
 from sph.figures.scene import figure_scene
 from sph.figures.study import BOUNDED
 from sph.figures.style import LINE_STYLES, curve_colours, note_text, write_note
@@ -398,7 +399,9 @@ def test_the_section_shows_every_layer_where_its_particles_are(scene: dict[str, 
             painted[patch.get_path().contains_points(places)] = colours.index(patch.get_facecolor())
     assert (painted == particles.layer[soil]).mean() > 0.98, "all but particles that straddle a boundary"
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert [line.partition(":")[0] for line in legend] == ["soil", "fill", "soft clay", "lens"]
+    assert [line.partition(":")[0] for line in legend] == [
+        "soil", "fill", "soft clay", "lens", "critical surface, Bishop", "critical surface, Spencer"
+    ]  # fmt: skip
     assert "c = 7 kPa" in legend[1] and "c = 18 kPa" in legend[2] and "$S_R$ = 0.4" in legend[2] and "φ = 31°" in legend[3]
 
 
@@ -433,6 +436,8 @@ def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> 
     figures = {
         "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
         "scene": figure_scene(checked.scene, checked.particles, checked.probes, PLACES),
+        "run": plot_trajectory(run, places=PLACES),
+        "before and after": figure_before_after(run, "one", PLACES),
     }
     for name, figure in figures.items():
         posts = {text.get_text(): text.xy for text in axes(figure).texts if text.get_rotation() == 90 and hasattr(text, "xy")}
@@ -447,9 +452,20 @@ def test_titles_and_legends_name_what_each_layer_keeps() -> None:
         "layers": {"clay": {"region": {"kind": "depth", "top": 5.0}, "soil": {"residual_cohesion": 60.0}}},
     }
     overrides["layers"]["clay"]["soil"]["residual_friction_angle"] = 5.0
+    overrides["soil"] = {"name": "weathered tuff", "youngs_modulus": 84.0336e3, "viscosity": 0.0}
     run = synthetic(translation(-3.0), overrides=overrides)
-    (own, clay) = (text.get_text() for text in figure_geometry(run).legends[0].get_texts())
-    assert "failed: $S_R$ = 0.4, γ" in own and "failed: $c_r$ = 60 kPa, $φ_r$ = 5°, γ" in clay and "S_R" not in clay
+    own, clay, *surfaces = (text.get_text() for text in figure_geometry(run).legends[0].get_texts())
+    assert [words.partition(": F")[0] for words in surfaces] == [f"critical surface, {name}" for name in ("Bishop", "Spencer")]
+    assert (
+        own.startswith("weathered tuff: ")
+        and "E = 84 MPa" in own
+        and own.endswith("s⁻¹")
+        and "failed: $S_R$ = 0.4, γ" in own
+        and "failed: $c_r$ = 60 kPa, $φ_r$ = 5°, γ" in clay
+        and "S_R" not in clay
+    )
+    bar = figure_displaced({"one": run}, field="layer").axes[-1]
+    assert [label.get_text() for label in bar.get_yticklabels()] == ["weathered tuff", "clay"]
     assert "$S_R$ = 0.4; $c_r$ = 60 kPa, $φ_r$ = 5° in clay, γ = 100 s⁻¹" in axes(plot_trajectory(run)).get_title(loc="left")
     assert "$S_R$ = 0.25, γ = 100 s⁻¹" in axes(plot_trajectory(synthetic(translation(-3.0)))).get_title(loc="left")
 
@@ -500,3 +516,13 @@ def test_curves_survive_print() -> None:
     linear = np.where(colours <= 0.03928, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)  # WCAG 2.1, relative luminance
     luminance = linear @ (0.2126, 0.7152, 0.0722)
     assert (1.05 / (luminance + 0.05) >= 3.0).all() and (np.diff(luminance) > 0.01).all()
+
+
+def test_the_soil_that_fails_is_shown_where_it_lay() -> None:
+    run = synthetic(translation(-3.0))
+    assert len(figure_before_after(run, "one").legends[0].get_texts()) == 1, "nothing failed"
+    run["failed"][-1, :40] = 1
+    figure = figure_before_after(run, "one")
+    shown = circles(figure)[0].get_offsets()
+    np.testing.assert_allclose(shown, np.column_stack([run[axis][run.gravity_frame, :40] for axis in "xy"]))
+    assert figure.legends[0].get_texts()[-1].get_text() == "soil that has failed at the end of the run"

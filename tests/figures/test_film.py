@@ -11,11 +11,12 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.collections import EllipseCollection
+from overprint import overprints
 from PIL import Image
 from synthetic import synthetic, translation
 
 from sph.figures.film import check_film, draw_film, rate, save_film
-from sph.measures.fields import FIELDS
+from sph.measures.fields import FIELDS, LAYER
 from sph.output.run import Run
 from sph.solver.particles import SOIL
 
@@ -47,8 +48,17 @@ def test_every_frame_is_shown_at_its_time_on_one_scale(slid: Run, field: str) ->
     (low, high), *others = scales
     assert not others and len(limits) == 1
     assert low <= min(values.min() for values in shown) and high >= max(values.max() for values in shown)
-    label = figure.axes[0].child_axes[0].get_ylabel()
-    assert FIELDS[field].label in label and f"({FIELDS[field].units})" in label
+    label = " ".join(figure.axes[0].child_axes[0].get_ylabel().split())
+    assert label == FIELDS[field].label + (f" ({FIELDS[field].units})" if field != LAYER else "")
+
+
+def test_places_of_a_study_stand_in_every_picture_with_room_for_their_names(slid: Run) -> None:
+    figure, show = draw_film(slid, FRAMES, "displacement", motion=False, dpi=60, places={"bench": 69.0, "road": "12 beyond the toe"})
+    for frame in FRAMES:
+        show(frame)
+        posts = {text.get_text(): text.xy[0] for text in figure.axes[0].texts if text.get_rotation() == 90}
+        assert posts == {"bench": 69.0, "road": 43.0}
+    assert overprints(figure) == []
 
 
 def test_the_box_holds_what_any_frame_shows() -> None:

@@ -145,6 +145,16 @@ class TestRunout:
         assert values["travel_angle"] == pytest.approx(math.degrees(math.atan2(25.0, run + 3.0)), abs=1e-4)
         assert values["deposit_height"] == pytest.approx(4.0, abs=1e-5)  # the column 2.5 m behind the toe is 4 particles high
 
+    def test_a_sliding_point_and_slides_of_the_field_are_beside_the_run_out(self, slid: Run) -> None:
+        """The failed soil keeps 0.1 of 20 degrees: its point runs on level ground beyond the model; debris slides have a mean angle."""
+        values, back = measure(slid), 25.0 / math.tan(math.radians(60.0))
+        kept = slid.scene.materials[0].residual[1]
+        assert values["energy_line_angle"] == pytest.approx(kept)
+        assert values["energy_line_runout"] == pytest.approx(25.0 / math.tan(math.radians(kept)) - back)
+        volume = float(values["area_moved_50cm"]) * 25.0
+        assert values["corominas_angle"] == pytest.approx(math.degrees(math.atan(10.0**-0.012 * volume**-0.105)))
+        assert values["corominas_runout"] == pytest.approx(25.0 / math.tan(math.radians(float(values["corominas_angle"]))) - back)
+
     def test_mean_thickness_of_the_deposit(self, slid: Run) -> None:
         # A wedge of 3 m at 60 degrees: 1.5 m tan(60) thick; columns of 1, 3 and 4 particles over 3 m.
         assert measure(slid)["deposit_thickness"] == pytest.approx(8.0 / 3.0) == pytest.approx(1.5 * math.tan(math.radians(60.0)), rel=0.03)
@@ -157,8 +167,8 @@ class TestRunout:
         block = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
         values = measure(synthetic(translation(-3.0), overrides=block))
         assert nan_metrics(values) == {
-            "runout", "runout_over_height", "travel_angle", "deposit_height", "deposit_thickness", "first_failure_time",
-            "reached_side_time",
+            "runout", "runout_over_height", "travel_angle", "energy_line_angle", "energy_line_runout", "corominas_angle",
+            "corominas_runout", "deposit_height", "deposit_thickness", "first_failure_time", "reached_side_time",
         }  # fmt: skip
         assert values["area_moved_100cm"] == 50.0
 

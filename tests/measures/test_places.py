@@ -1,9 +1,10 @@
-"""Places before the slope on hand-made trajectories."""
+"""Places before and on the slope on hand-made trajectories."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from synthetic import PAPER, synthetic, translation
 
@@ -26,7 +27,31 @@ def test_a_block_that_slides_3_m_passes_a_place_2_m_beyond_the_toe_by_1_m() -> N
     """It starts at 4 s with 0.75 m/s, so that 2 m are passed at 6.67 s, before the frame at 7 s.  The columns that lay half a spacing and
     one and a half behind the toe come to lie within a spacing of the place; the second is three particles high."""
     found = at(synthetic(translation(-3.0)), road="2 beyond the toe")
-    assert found == pytest.approx({"road_passed": 1.0, "road_depth": 3.0, "road_arrival": 7.0}, abs=1e-5)
+    assert found == pytest.approx({
+        "road_passed": 1.0, "road_depth": 3.0, "road_arrival": 7.0, "road_reached": 1.0, "road_peak_depth": 3.0, "road_peak_speed": 0.75,
+        "road_front_speed": 0.75, "road_impact_pressure": 1964.0 * 0.75**2, "road_ground_displacement": 0.0,
+    }, abs=1e-5)  # fmt: skip
+
+
+def test_debris_on_the_slope_buries_a_bench_and_a_slide_along_it_carries_it_away() -> None:
+    """Soil that lay above a bench 7 m behind the toe of a slope of 60 degrees comes over it by 3 m; on a slide along the slope nothing lies
+    on it, but the bench itself moves."""
+    buried = at(synthetic(translation(-3.0)), bench=62.0)
+    assert buried["bench_passed"] == pytest.approx(3.0, abs=1e-4) and buried["bench_reached"] == 1.0
+    assert buried["bench_depth"] == buried["bench_peak_depth"] == pytest.approx(5.4, abs=0.5) and buried["bench_ground_displacement"] == 3.0
+    down = math.tan(math.radians(60.0))
+    slid = at(synthetic(translation(-1.0, -down)), bench=62.0)
+    assert slid["bench_reached"] == 0.0 and slid["bench_ground_displacement"] == pytest.approx(2.0)
+    standing = at(synthetic(), bench=62.0)
+    assert (standing["bench_reached"], standing["bench_depth"], standing["bench_impact_pressure"]) == (0.0, 0.0, 0.0)
+    assert math.isnan(float(standing["bench_passed"])) and math.isnan(float(standing["bench_arrival"]))
+
+
+def test_debris_counts_from_a_stated_depth_and_the_pressure_has_a_factor() -> None:
+    settings = MetricSettings(places={"road": "2 beyond the toe"}, debris_depth=3.5, impact_factor=2.0)
+    found = measure(synthetic(translation(-3.0)), settings)
+    assert found["road_reached"] == 0.0 and found["road_peak_depth"] == pytest.approx(3.0)
+    assert found["road_impact_pressure"] == pytest.approx(2.0 * 1964.0 * 0.75**2)
 
 
 def test_a_place_that_is_not_reached() -> None:
@@ -37,6 +62,8 @@ def test_a_place_that_is_not_reached() -> None:
     assert found["road_arrival"] == 7.5, "2.5 m are passed at 7.33 s"
     standing = at(synthetic(), house="10 beyond the toe")
     assert standing["house_passed"] == -10.0 and standing["house_depth"] == 0.0
+    noise = at(synthetic(lambda scene, x, y: (0.0 * x, np.where(x < 50.0, 0.3, 0.0))), house="10 beyond the toe")
+    assert noise["house_depth"] == noise["house_peak_depth"] == 0.0 and noise["house_ground_displacement"] == pytest.approx(0.3)
 
 
 def test_a_place_by_its_x_is_that_of_the_survey_whichever_way_the_slope_falls() -> None:
@@ -49,23 +76,24 @@ def test_a_place_by_its_x_is_that_of_the_survey_whichever_way_the_slope_falls() 
 
 def test_a_diverged_run_has_no_values_at_places() -> None:
     found = at(synthetic(translation(-3.0), status="diverged"), road="2 beyond the toe")
-    assert set(found) == {"road_passed", "road_depth", "road_arrival"} and all(math.isnan(float(value)) for value in found.values())
+    assert set(found) == {column.name for column in place_columns(["road"])} and all(math.isnan(float(value)) for value in found.values())
 
 
 def test_the_places_are_known_from_the_columns() -> None:
     columns = [column.name for column in place_columns(["road", "river_bank"])]
-    assert places_in(["runout", *columns]) == ["road", "river_bank"] and len(columns) == 6
+    assert places_in(["runout", *columns]) == ["road", "river_bank"] and len(columns) == 18
 
 
 @pytest.mark.parametrize(
     ("place", "words"),
     [
-        ("56 beyond the toe", "at most 55 m beyond the toe (x from 55 to 0 m)"),
-        (60.0, "must lie in front of the toe"),
+        ("56 beyond the toe", "at most 55 m beyond the toe (x from 69.4338 to 0 m)"),
+        (70.0, "must lie in front of the crest edge"),
+        (70.0, "name a probe"),
         (-1.0, "lengthen the apron to include it"),
     ],
 )
-def test_a_place_outside_the_ground_before_the_toe_is_refused(place: float | str, words: str) -> None:
+def test_a_place_behind_the_crest_or_outside_the_model_is_refused(place: float | str, words: str) -> None:
     with pytest.raises(ValueError, match="config: metrics.places.road: ") as raised:
         check_places({"road": place}, make_scene(PAPER), "config")
     assert words in str(raised.value)

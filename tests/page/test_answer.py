@@ -31,43 +31,65 @@ RUNS = pd.DataFrame(
     house_passed=lambda table: table["runout"] - 30.0,
     house_depth=0.0,
     house_arrival=math.nan,
+    road_reached=lambda table: (table["road_passed"] >= 0.0).astype(float),
+    road_peak_depth=lambda table: table["road_depth"],
+    road_peak_speed=[0.0] * 4 + [2.5, 4.2],
+    road_impact_pressure=[0.0] * 4 + [9000.0, 31000.0],
+    road_ground_displacement=0.0,
+    house_reached=0.0,
+    house_peak_depth=0.0,
+    house_peak_speed=0.0,
+    house_impact_pressure=0.0,
+    house_ground_displacement=0.04,
+    diverged=0,
+    energy_line_runout=math.nan,
+    corominas_runout=math.nan,
 )
+LOST = RUNS.assign(**{name: math.nan for name in RUNS if name.startswith(("road_", "house_"))})
+"""The same without what is at the places, as if all runs had diverged."""
 
 
 def test_what_the_debris_does_at_a_place() -> None:
-    assert at_places(RUNS, 1.0) == [
-        ("At road", "reached in 2 of 6 runs; debris up to 2.10 m deep", "first arrival 5.5 s after the start of the run"),
+    assert at_places(RUNS) == [
+        (
+            "At road",
+            "reached in 2 of 6 runs, up to 2.10 m deep; 4.2 m/s and 31 kPa at most",
+            "first arrival 5.5 s after the start of the run",
+        ),
         ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
     ]
-    diverged = RUNS.assign(road_passed=math.nan, house_passed=math.nan)
-    assert [fact[1:] for fact in at_places(diverged, 1.0)] == [("not reached in 0 runs", "")] * 2
+    assert [fact[1:] for fact in at_places(LOST)] == [("not reached in 0 runs", "")] * 2
 
 
 def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> None:
-    _, house = at_places(RUNS.assign(still_moving=[0, 0, 0, 0, 1, 1]), 1.0)
+    road, house = at_places(RUNS.assign(still_moving=[0, 0, 0, 1, 1, 1]))
     assert house == (
         "At house",
-        "not reached by the end of 6 runs, in 2 of which debris still moves",
+        "not reached in 3 runs; not yet in 3 runs, whose debris still moves at the end",
         "the debris is at least 10.0 m short of it then; run them for longer",
     )
+    assert road[1].endswith("at most; not yet in 1 run, whose debris still moves at the end")
+    _, house = at_places(RUNS.assign(still_moving=1))
+    assert house[1] == "not yet in 6 runs, whose debris still moves at the end" and "stops" not in house[2]
+    _, house = at_places(RUNS.assign(still_moving=[0, 0, 0, 1, 1, 1], findings=["layer-held"] * 2 + [""] * 4), "why")
+    assert house[1].startswith("not reached in 1 run; not yet in 3 runs") and "stops" not in house[2]
 
 
 def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None:
     """It is unknown, whatever else was run."""
     why = "2 rows of particles in cover"
-    road, house = at_places(RUNS.assign(findings="few-particles weak-on-strong"), 1.0, why)
-    assert road[1] == f"reached in 2 of 6 runs; debris up to 2.10 m deep; unknown in 4, whose debris is braked: {why}"
+    road, house = at_places(RUNS.assign(findings="few-particles weak-on-strong"), why)
+    assert road[1].startswith("reached in 2 of 6 runs, ") and road[1].endswith(f"; unknown in 4 runs, whose debris is braked: {why}")
     assert house == (
         "At house",
         f"unknown in 6 runs, whose debris is braked: {why}",
-        "braked, the debris stops 10.0 m short of it",
+        "braked, the debris stops at least 10.0 m short of it",
     )
-    road, house = at_places(RUNS.assign(findings=["", "", "", "layer-held", "", ""]), 1.0, why)
-    assert road[1].endswith(f"deep; unknown in 1, whose debris is braked: {why}")
-    assert house[1] == f"not reached in 5 runs, unknown in 1 runs, whose debris is braked: {why}"
-    assert house[2].startswith("braked, the debris stops 20.0 m short")
-    diverged = RUNS.assign(road_passed=math.nan, house_passed=math.nan, findings="layer-held")
-    assert [fact[1:] for fact in at_places(diverged, 1.0, why)] == [("not reached in 0 runs", "")] * 2
+    road, house = at_places(RUNS.assign(findings=["", "", "", "layer-held", "", ""]), why)
+    assert road[1].endswith(f"at most; unknown in 1 run, whose debris is braked: {why}")
+    assert house[1] == f"not reached in 5 runs; unknown in 1 run, whose debris is braked: {why}"
+    assert house[2].startswith("braked, the debris stops at least 10.0 m short")
+    assert [fact[1:] for fact in at_places(LOST.assign(findings="layer-held"), why)] == [("not reached in 0 runs", "")] * 2
 
 
 @pytest.mark.parametrize("code", ["weak-on-strong", "layer-held"])
@@ -85,11 +107,16 @@ def test_braked_debris_is_a_lower_bound_with_its_reason(code: str) -> None:
     assert table.rows[0][2] == "0.000" and table.rows[1][2] == "≥ 10.0"
 
 
-@pytest.mark.parametrize(("depth", "words"), [(0.5, ""), (0.75, "; the ground there rises by up to 0.750 m")])
-def test_ground_that_rises_where_no_debris_comes(depth: float, words: str) -> None:
-    """The rows of particles may lie half a spacing above the ground line."""
-    _, (_, told, _) = at_places(RUNS.assign(house_depth=[0.0, 0.1, depth, 0.0, 0.0, math.nan]), 1.0)
-    assert told == f"not reached in 6 runs{words}"
+def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> None:
+    _, (_, told, _) = at_places(RUNS.assign(house_ground_displacement=[0.0, 0.1, 0.75, 0.0, 0.0, math.nan]))
+    assert told == "not reached in 6 runs; its ground moves by up to 0.750 m"
+
+
+def test_how_far_others_would_go_is_beside_the_run_outs() -> None:
+    runs = RUNS.assign(collapse_class="stable", displacement_magnitude=0.1, newmark_displacement=math.nan)
+    assert "Corominas" not in levels(runs, [], "A").note
+    note = levels(runs.assign(energy_line_runout=[40.0, 44.0] * 3, corominas_runout=11.0), [], "A").note
+    assert "40.0 to 44.0 m by the energy line" in note and "11.0 m by Corominas" in note
 
 
 def test_how_wide_by_the_amplitude() -> None:
@@ -146,8 +173,11 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     fails = "At 4 m/s2 (0.408 g) 3 of 4 runs fail, 2 of them by collapse"
     assert lead(bare, []) == f"{fails}; debris runs at least 20.0 m beyond the toe.", "one met the end of the box"
     assert lead(bare.assign(reached_side=""), []) == f"{fails}; debris runs up to 20.0 m beyond the toe."
-    assert lead(bare.assign(reached_side="", still_moving=1), []).endswith("m beyond the toe; it still moves at the end of 4 runs.")
-    assert lead(runs, []).endswith(". road: reached in 2 of 4 runs; debris up to 2.10 m deep. house: not reached in 4 runs.")
+    moving = "; debris runs at least 20.0 m beyond the toe; it still moves at the end of 4 runs."
+    assert lead(bare.assign(reached_side="", still_moving=1), []) == fails + moving
+    assert lead(runs, []).endswith(
+        ". road: reached in 2 of 4 runs, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. house: not reached in 4 runs."
+    )
     assert lead(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
     held = lead(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
     assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import datetime
 import json
 import math
 import re
@@ -400,6 +401,7 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
     many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="")
+    many = many.assign(energy_line_runout=np.nan, corominas_runout=np.nan)
     shown = levels(many, [shaking], "A")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "unlimited")] and "upper bound" not in shown.note
     further = many.assign(runout=[9.0, *[1.0] * 19], findings="thin-box block-not-rigid")
@@ -484,3 +486,8 @@ def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: Stu
         assert words in own and words not in client, (words, client[max(client.find(words) - 80, 0) :][:200])
     for words in (TITLE, "Factor of safety", "All runs", "Versions", "Figure 4"):
         assert words in client, words
+    assert "docs/" not in client
+    for key in ("numerics.spacing", "soil.cohesion", "few-particles", "gamma-100", "failed_unshaken"):
+        assert key in own and key not in client, key
+    signed = Words(build_page(study._replace(client=True, project="Road 7", author="A. Geologist"))).text
+    assert f"Road 7 · A. Geologist · {datetime.date.today().isoformat()}" in signed

@@ -384,6 +384,21 @@ def test_the_keys_of_the_paper_are_read_and_left_alone_in_other_studies() -> Non
         free(grid={"S_R": [0.1]}, claims={"amplitude": -1.0})
 
 
+def test_figures_of_all_runs_are_left_out_where_runs_do_not_differ() -> None:
+    for grid, missing in (
+        ({"S_R": [0.1], "soil.cohesion": [20]}, ["study", "map"]),
+        ({"S_R": [0.1], "soil.cohesion": [20, 30]}, ["map"]),
+        ({"S_R": [0.1, 0.2], "soil.cohesion": [20, 30]}, []),
+    ):
+        study = free(grid=grid).study
+        (section,) = (section for section in sections_of(study) if section.title == "Figures")
+        assert (
+            list(study.left_out)
+            == missing
+            == [name for name in ("study", "map") if f"{{fidelity}}/figures/{name}.png" not in section.figures]
+        )
+
+
 def test_every_figure_of_the_paper_has_its_runs() -> None:
     shown = paper({}).figure_files
     assert list(shown) == list(figures.FIGURES)

@@ -27,8 +27,11 @@ rule figure:
                 ],
                 "titles": PLAN.figure_titles(wildcards.figure),
                 "fidelity": PLAN.study.fidelity,
-                "places": (
-                    PLAN.study.metrics.places
+                "marked": (
+                    {
+                        "places": PLAN.study.metrics.places,
+                        "field": PLAN.study.figures.field,
+                    }
                     if wildcards.figure in WITH_PLACES
                     else {}
                 ),

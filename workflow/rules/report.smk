@@ -55,6 +55,8 @@ rule page:
                 "probe": PLAN.study.metrics.probe,
                 "places": PLAN.study.metrics.places,
                 "client": PLAN.study.page == "client",
+                "project": PLAN.study.project,
+                "author": PLAN.study.author,
                 "shown": {
                     figure: [run.file for run in PLAN.figure_runs(figure)]
                     for figure in PLAN.study.figure_files

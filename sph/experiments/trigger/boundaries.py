@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator
 
 from sph.checks.after_run import is_braked
 from sph.measures.metrics import CLASSES, COLLAPSE, MetricSettings, class_displacement
-from sph.measures.places import PASSED, PlaceName, column_of
+from sph.measures.places import REACHED, PlaceName, column_of
 from sph.scene.schema import Scene
 
 DamageClass = Literal["minor", "damaged", "collapse"]
@@ -22,11 +22,11 @@ COLUMNS = {RUNOUT: "runout", DISPLACEMENT: "displacement_magnitude"}
 
 
 class Bound(NamedTuple):
-    """A length that a metric must reach."""
+    """What a metric must reach: a length, or 1 where debris is at a place."""
 
     quantity: str  # RUNOUT or DISPLACEMENT
     column: str
-    least: float  # m
+    least: float  # m; 1 of a place
     place: str  # '' for a length
 
 
@@ -40,7 +40,7 @@ def bound(wanted: str) -> Bound:
     if quantity in COLUMNS and 0.0 < length < math.inf:
         return Bound(quantity, COLUMNS[quantity], length, "")
     if quantity == RUNOUT and math.isnan(length) and limit:
-        return Bound(quantity, column_of(limit, PASSED), 0.0, limit)
+        return Bound(quantity, column_of(limit, REACHED), 1.0, limit)
     raise ValueError(
         f"{wanted!r} is none of {', '.join(CLASSES[1:])}, {RUNOUT}: a place of metrics.places or a length above 0 in m, "
         f"{DISPLACEMENT}: a length above 0 in m"

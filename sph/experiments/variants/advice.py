@@ -173,8 +173,8 @@ def of_other_law(scene: Scene) -> str:
     return f"errors are measured with numerics.interfaces: {other.numerics.interfaces}, and not with {scene.numerics.interfaces}"
 
 
-def expected_sentence(scene: Scene) -> str:
-    """What the shipped table says of a scene, in words."""
+def expected_sentence(scene: Scene, remedy: bool = True) -> str:
+    """What the shipped table says of a scene, in words, with a ``remedy`` where it says nothing."""
     table = shipped_table(scene.scheme)
     if table is None:
         return NOT_MEASURED_YET
@@ -182,9 +182,9 @@ def expected_sentence(scene: Scene) -> str:
     if expected:
         return expected.sentence()
     if others := unlike(scene):
-        return f"not known for this slope, since {', '.join(others)}; {REMEDY}"
+        return f"not known for this slope, since {', '.join(others)}" + f"; {REMEDY}" * remedy
     if expected_error(with_other_law(scene), table):
-        return f"not known, since {of_other_law(scene)}; {REMEDY}"
+        return f"not known, since {of_other_law(scene)}" + f"; {REMEDY}" * remedy
     if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:

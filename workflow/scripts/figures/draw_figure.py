@@ -6,7 +6,6 @@ from typing import Any
 from sph.experiments.paper.figures import FIGURES
 from sph.figures import RUN_FIGURES, save
 from sph.jobs.log import Job, job_log
-from sph.measures.places import PlaceAt
 from sph.study.planned import Planned
 
 
@@ -17,18 +16,17 @@ def draw_figure(
     scenes: Sequence[Planned],
     titles: Sequence[Sequence[str]],
     fidelity: str,
-    places: Mapping[str, PlaceAt],
+    marked: Mapping[str, Any],
 ) -> None:
     """Draw a figure of any study or of the paper's from runs of planned scenes.
 
     ``titles`` name each run: its curve or profile, or its panel and that; there are none where the figure shows one run.
-    ``places`` are marked in the figures that take them; none are given to others.
+    ``marked`` are the places and the quantity of profiles; nothing is given to other figures.
     """
     runs = [scene.read(path) for path, scene in zip(paths_to_runs, scenes, strict=True)]
     shown: Any = {} if titles else runs[0]
     for (*panel, last), run in zip(titles, runs, strict=False):
         (shown.setdefault(panel[0], {}) if panel else shown)[last] = run
-    marked = {"places": places} if places else {}
     save((RUN_FIGURES | FIGURES)[name](shown, fidelity=fidelity, **marked), *paths_to_pictures)
 
 
