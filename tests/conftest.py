@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import os
+import sys
+from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import settings
+from numba.core.dispatcher import Dispatcher
 from small_scenes import FREE_BLOCK, SLOPE, SceneBuilder
 from synthetic import synthetic, translation
 
 from sph.output.run import Run
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
+from sph.solver.compiled import slots
 from sph.solver.simulation import Simulation
 
 # On CI the same examples every time, so that a red run is the change's fault; elsewhere hypothesis explores.  A busy machine fails none.
@@ -45,6 +50,20 @@ def free_block() -> SceneBuilder:
 def without_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Simulations are prepared and make no step, so that none is compiled."""
     monkeypatch.setattr(Simulation, "advance_steps", lambda self, n_steps: {0: (0, 0)}[n_steps])
+
+
+@pytest.fixture(autouse=True)
+def _uncompiled(request: pytest.FixtureRequest) -> Iterator[None]:
+    """In tests so marked the solver's functions are the Python that is written."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.node.get_closest_marker("uncompiled"):
+            patch.setattr(slots, "numba", SimpleNamespace(config=SimpleNamespace(DISABLE_JIT=True)))
+            solver = [module for name, module in sys.modules.items() if name.startswith("sph.solver")]
+            for module in (*solver, request.module):
+                compiled = {name: value for name, value in vars(module).items() if isinstance(value, Dispatcher)}
+                for name, value in compiled.items():
+                    patch.setattr(module, name, value.py_func)
+        yield
 
 
 @pytest.fixture

@@ -51,6 +51,12 @@ TWO_BODIES: dict[str, Any] = {
 }
 """A triangle and a ring in a box."""
 
+NOTHING: dict[str, Any] = {
+    "damping": {"ratio": 0.0, "frequencies": [0.001, 50.0]},
+    "water": {"pressure": "carried", "r_u": 0.0},
+}
+"""Damping and water without effect, for scenes that share the compiled variant of others that are damped or wet."""
+
 PAPER = Path(__file__).parents[1] / "config" / "scenes" / "paper.yaml"
 DRAFT: dict[str, Any] = {"numerics": {"spacing": 1.6666667, "smoothing_ratio": 1.3, "time_step": 2e-3}}
 """The paper's slope as the fidelity draft has it, but for the tolerance of its gradients: 959 particles, a second a run."""

@@ -18,6 +18,8 @@ from sph.solver.renewal import make_lists
 from sph.solver.state import ARMED, FAILED, HELD, YIELDED
 from sph.solver.terms import State, make_terms
 
+pytestmark = pytest.mark.uncompiled
+
 DT = 1e-3
 NOT_SOFTENING = {"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}
 """Failed soil keeps its peak strength."""

@@ -17,11 +17,13 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import run
 
+pytestmark = pytest.mark.uncompiled
+
 ELEMENT: dict[str, Any] = {
     "scheme": "paper",
     "name": "element",
     "duration": 0.1,
-    "geometry": {"shape": "block", "width": 1.0, "height": 1.0},
+    "geometry": {"shape": "block", "width": 0.3, "height": 0.3},
     "walls": {"base": "none", "sides": "none"},
     "soil": {"density": 2000.0, "youngs_modulus": 1e4, "poisson_ratio": 0.3, "cohesion": 1e5},
     "coupling": {"solid_after_failure": "elastic_plastic"},
@@ -147,6 +149,6 @@ def test_the_work_is_found_again(gradient: dict[str, float], damping: float) -> 
     stored = sum(ds[f"{name}_energy"].values for name in ("kinetic", "elastic", "dissipated"))
     last_half = 0.5 * (work[-1] - work[-2])
     print(f"{gradient}: {stored[-1] - work[-1]:.3f} of {work[-1]:.1f} J/m, half a step's work {last_half:.3f}")
-    assert work[-1] > 100.0
+    assert work[-1] > 9.0
     assert stored[-1] - work[-1] == pytest.approx(last_half, rel=0.05)
     assert np.all(np.diff(work)[1:] > 0)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from small_scenes import NOTHING
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
@@ -41,6 +42,7 @@ def column(stiffness: float, spacing: float, changes: dict[str, Any] | None = No
                 },
                 "layers": {"other": {"region": {"kind": "elevation", "bottom": 0.5 * HEIGHT}, "soil": {"cohesion": 5e5}}},
                 "coupling": {"gamma": 0.0, "S_R": 0.5},
+                **NOTHING,
                 "damping": {"ratio": 0.05, "frequencies": [0.3, 5.0]},
                 "gravity": {"ramp": 4.0, "duration": 10.0, "damping": 3.0},
                 "motion": {"kind": "constant", "amplitude": SIDEWAYS, "start": 10.0, "ramp": 4.0},

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from small_scenes import NOTHING
 
 from sph.measures.metrics import energy_error
 from sph.scene.configuration import merge
@@ -33,7 +34,7 @@ def debris(spacing: float, ground: float = 0.0, interfaces: str = "weaker", own:
         "coupling": {"S_R": 1.0, "gamma": 1.0, "initial_state": "fluid"},
         "gravity": {"inclination": ANGLE, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
         "motion": {"kind": "none"},
-        "damping": None,
+        **NOTHING,
         "numerics": {"spacing": spacing, "interfaces": interfaces},
         "probes": {"A": [8.0 * spacing, ground + 1.0]},
         "outputs": {"frame_interval": 3.0, "series_interval": 0.01},

@@ -64,17 +64,19 @@ def test_failed_soil_slides_with_the_friction_of_effective_stress(kind: str) -> 
     assert deceleration(WATER[kind]) == pytest.approx(EFFECTIVE[kind] * G * math.sin(math.radians(FRICTION)), rel=0.10)
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("pressure", ["by_place", pytest.param("carried", marks=pytest.mark.long)])
 def test_geostatic_effective_stress_stays(pressure: str) -> None:
-    # Level ground is in equilibrium under it with either kind of pressure; rows alternate by some per cent (V1).
+    # Level ground is in equilibrium under it with either kind of pressure, while waves pass it five times.  Rows alternate by some per
+    # cent (V1).
     block: dict[str, Any] = {
         "name": "column",
         "scheme": "paper",
-        "duration": 0.5,
-        "geometry": {"shape": "block", "width": 10.0, "height": 20.0},
+        "duration": 0.2,
+        "geometry": {"shape": "block", "width": 4.0, "height": 20.0},
         "walls": {"base": "fixed", "sides": "free_slip", "layers": 3},
         "soil": {"density": 2000.0, "cohesion": 1e5},
-        "gravity": {"ramp": 0.0, "duration": 0.3, "initial_stress": "geostatic"},
+        "gravity": {"ramp": 0.0, "duration": 0.1, "initial_stress": "geostatic"},
         "numerics": {"spacing": 1.0, "smoothing_ratio": 1.3, "time_step": 5e-4},
         "outputs": {"frame_interval": 0.05},
     }

@@ -17,6 +17,8 @@ from sph.solver.physics.kernels import make_kernel
 from sph.solver.renewal import make_lists
 from sph.solver.terms import make_terms
 
+pytestmark = pytest.mark.uncompiled
+
 SLOPE: dict[str, Any] = {
     "scheme": "paper",
     "name": "slope",

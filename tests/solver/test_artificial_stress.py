@@ -19,6 +19,8 @@ from sph.solver.physics.kernels import evaluate
 from sph.solver.renewal import make_lists
 from sph.solver.terms import State, make_terms
 
+pytestmark = pytest.mark.uncompiled
+
 BASE: dict[str, Any] = {
     "scheme": "paper",
     "name": "patch",

@@ -14,6 +14,8 @@ from sph.solver.particles import peak_strength, place_particles
 from sph.solver.terms import make_terms
 from sph.stability.standing import divided_strength, weakened
 
+pytestmark = pytest.mark.uncompiled
+
 GROUND: dict[str, Any] = {
     "name": "clay",
     "scheme": "paper",

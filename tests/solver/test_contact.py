@@ -32,6 +32,7 @@ def box(**overrides: Any) -> Scene:
     return make_scene(merge(BOX, dotted({name.replace("__", "."): value for name, value in overrides.items()})))
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])
 @pytest.mark.parametrize("top", ["contact", "no_slip"])
 def test_contact_takes_no_energy_whoever_is_let_go(top: str, correction: dict[str, float] | None) -> None:
@@ -57,6 +58,7 @@ def test_contact_takes_no_energy_whoever_is_let_go(top: str, correction: dict[st
     assert forces + stresses == pytest.approx(0.0, abs=1e-11 * abs(forces))
 
 
+@pytest.mark.uncompiled
 @pytest.mark.parametrize(
     ("stress", "velocity", "tension", "leaves"),
     [

@@ -14,6 +14,8 @@ from sph.solver.physics.elasticity import Deviator, Strain
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.mohr_coulomb import make_mohr_coulomb
 
+pytestmark = pytest.mark.uncompiled
+
 G = 1e7
 TAU_Y = 20e3
 DT = 1e-4

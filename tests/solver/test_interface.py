@@ -13,8 +13,11 @@ from sph.scene.schema import Scene
 from sph.solver.physics.gradient_correction import power
 from sph.solver.physics.interface import NO_SOIL, Interface, once_lost, weights
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
+from sph.solver.renewal import make_lists
 from sph.solver.simulation import Simulation
 from sph.solver.terms import only
+
+pytestmark = pytest.mark.uncompiled
 
 STRONG = {"cohesion": 900.0, "friction_angle": 35.0}
 RESOLVED = {"coupling.solid_after_failure": "elastic_plastic", "numerics.interfaces": "weaker", "numerics.smoothing_ratio": 1.3}
@@ -74,12 +77,11 @@ def test_strengths_at_the_mean_pressure_of_the_pair() -> None:
     assert weights(term, 0, 1)[0] == pytest.approx(2.0 * strong / (weak + strong), rel=1e-3)
 
 
-@pytest.mark.usefixtures("without_steps")
 def test_pairs_across_stand_last_and_all_are_there(free_block: SceneBuilder) -> None:
     scenes = two_soils(free_block), two_soils(free_block, {"numerics.interfaces": "both"})
     with_it, without = (Simulation(scene) for scene in scenes)
     for simulation in (with_it, without):
-        simulation.prepare()
+        simulation.candidates, simulation.pairs = make_lists(simulation.state, simulation.list_terms)
     term, pairs = with_it.terms.interface, with_it.pairs
     assert without.terms.interface is None and without.pairs.alike_end.size == 0
     across = 0
@@ -106,7 +108,6 @@ def test_other_residual_strengths_alone_make_an_interface(free_block: SceneBuild
     assert Simulation(free_block(RESOLVED | {"layers": layers})).terms.interface is not None
 
 
-@pytest.mark.usefixtures("without_steps")
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])
 def test_forces_and_strain_rates_are_conjugate_whatever_the_weights(free_block: SceneBuilder, correction: dict[str, float] | None) -> None:
     simulation = Simulation(two_soils(free_block, {"numerics.gradient_correction": correction}))
@@ -116,7 +117,7 @@ def test_forces_and_strain_rates_are_conjugate_whatever_the_weights(free_block: 
         moved = getattr(state, name) + generator.uniform(-0.2, 0.2, n)
         for each in (name, f"{name}_pairs", f"{name}_candidates"):
             getattr(state, each)[:] = moved
-    simulation.prepare()
+    _, pairs = make_lists(state, simulation.list_terms)
     for name in ("vx", "vy", "sxx", "syy", "sxy", "syx"):
         getattr(state, name)[:] = generator.normal(size=n)
     if correction is None:
@@ -125,8 +126,8 @@ def test_forces_and_strain_rates_are_conjugate_whatever_the_weights(free_block: 
     terms.interface.cohesion[:] = 10.0 ** generator.uniform(2.0, 5.0, n)
     gradient = np.zeros((4, n))
     plain = only(terms, "gradient_correction", "layers", "interface")
-    velocity_gradients(state, simulation.pairs, plain, gradient, 0, n)
-    stress_accelerations(state, simulation.pairs, plain, gradient, 0, n)
+    velocity_gradients(state, pairs, plain, gradient, 0, n)
+    stress_accelerations(state, pairs, plain, gradient, 0, n)
     forces = float(state.ax @ state.vx + state.ay @ state.vy)
     stresses = sum(power(terms.gradient_correction, state, gradient, i) for i in range(n))
     assert abs(forces) > 1.0

@@ -13,6 +13,8 @@ from sph.solver.physics.elasticity import Deviator
 from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 
+pytestmark = pytest.mark.uncompiled
+
 stresses = st.floats(-2e6, 2e6, allow_nan=False)
 cohesions = st.floats(1.0, 500e3)
 angles = st.floats(1.0, 50.0)

@@ -17,6 +17,8 @@ from sph.solver.physics.kernels import make_kernel
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.terms import State
 
+pytestmark = pytest.mark.uncompiled
+
 MASS, H = 2.0, 1.0
 SLOPE = 10.0 / (28.0 * math.pi) * (12.0 * 0.5**2 - 3.0 * 1.5**2) / 0.5
 """W'/r of the cubic spline (h = 1 m) at r = 0.5 m: 10 / (28 pi h^4) (12 (1 - q)^2 - 3 (2 - q)^2) / q with q = 0.5, 1/m4."""

@@ -16,6 +16,8 @@ from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.renewal import make_lists
 from sph.solver.terms import State, make_terms, only
 
+pytestmark = pytest.mark.uncompiled
+
 BLOCK = {
     "scheme": "paper",
     "name": "block",

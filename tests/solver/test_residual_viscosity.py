@@ -16,6 +16,8 @@ from sph.solver.physics.residual_viscosity import keep_strain_rate
 from sph.solver.renewal import make_lists
 from sph.solver.terms import State, make_terms, only
 
+pytestmark = pytest.mark.uncompiled
+
 BLOCK = {
     "scheme": "paper",
     "name": "block",

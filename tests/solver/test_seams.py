@@ -14,9 +14,12 @@ from sph.solver.particles import place_particles
 from sph.solver.physics.elasticity import Deviator
 from sph.solver.physics.kernels import kernel_of, make_kernel
 from sph.solver.physics.seams import TERM, average_seams, line_integral, not_slip, slide, without_slip
+from sph.solver.renewal import make_lists
 from sph.solver.simulation import Simulation
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, static_scene, weakened
+
+pytestmark = pytest.mark.uncompiled
 
 DIP = math.radians(20.0)
 BLOCK: dict[str, Any] = {
@@ -40,9 +43,9 @@ BLOCK: dict[str, Any] = {
 
 
 @pytest.fixture
-def simulation(without_steps: None) -> Simulation:
+def simulation() -> Simulation:
     made = Simulation(make_scene(BLOCK))
-    made.prepare()
+    made.candidates, made.pairs = make_lists(made.state, made.list_terms)
     return made
 
 

@@ -13,6 +13,8 @@ from sph.solver.particles import place_particles
 from sph.solver.physics.seepage import with_seepage
 from sph.solver.terms import make_terms, wanted_terms
 
+pytestmark = pytest.mark.uncompiled
+
 DENSITY, G = 2000.0, 9.81
 SLOPE: dict[str, Any] = {
     "name": "slope",
