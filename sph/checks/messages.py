@@ -395,6 +395,18 @@ MESSAGES: dict[str, Message] = {
         "{value:m/s2}, where {bound:m/s2} is enough at a depth of {depth:.3g} m",
         "less, unless the ground is meant to fail as a whole",
     ),
+    "liquefaction": Message(
+        lambda of: "{subject} liquefies in the earthquake" if of["value"] < of["bound"] else "{subject} does not liquefy in the earthquake",
+        _simplified,
+        "at least {bound:g}; or let the run raise its pore pressure (water.excess_pressure)",
+        meaning="least factor of safety of sand against liquefaction, (Boulanger and Idriss 2014), with --magnitude",
+    ),
+    "cyclic-softening": Message(
+        lambda of: "{subject}, clay, softens in the earthquake" if of["value"] < of["bound"] else "{subject}, clay, keeps its strength",
+        _simplified,
+        "at least {bound:g}; or give its strength after the cycles",
+        meaning="least factor of safety of clay against cyclic softening (Boulanger and Idriss 2007), with --magnitude",
+    ),
     "short-waves": Message(
         "shear waves of {frequency:.3g} Hz are too short for the particles in {subject}",
         "{value:.2g} smoothing lengths per wave ({wavelength:.3g} m), carried {slower:.0%} too slowly",
@@ -422,23 +434,6 @@ MESSAGES: dict[str, Message] = {
         ),
         "in every column, which needs a thickness of at least {spacing:.3g} m; or describe it as a seam",
         meaning="a layer that is continuous in the scene becomes separate particles, or none at all",
-    ),
-    "liquefaction": Message(
-        lambda of: "{subject} liquefies in the earthquake" if of["value"] < of["bound"] else "{subject} does not liquefy in the earthquake",
-        _simplified,
-        "at least {bound:g}; or let the run raise its pore pressure (water.excess_pressure)",
-        meaning="least factor of safety of sand against liquefaction, (Boulanger and Idriss 2014), with --magnitude",
-    ),
-    "liquefied": Message(
-        "{subject} has liquefied",
-        "{share:.0f %} of its sand below water, half of that by {middle:.3g} s, the first at {first:.3g} s",
-        meaning="share of the sand of a layer that has liquefied in a run, with water.excess_pressure.liquefaction",
-    ),
-    "cyclic-softening": Message(
-        lambda of: "{subject}, clay, softens in the earthquake" if of["value"] < of["bound"] else "{subject}, clay, keeps its strength",
-        _simplified,
-        "at least {bound:g}; or give its strength after the cycles",
-        meaning="least factor of safety of clay against cyclic softening (Boulanger and Idriss 2007), with --magnitude",
     ),
     "thin-layer": Message("{subject} is thin", "{value:g} particles across", "at least {bound:g}", meaning="few particles across a layer"),
     "weak-on-strong": Message(
@@ -585,6 +580,11 @@ MESSAGES: dict[str, Message] = {
         "the energy budget of the run does not close, so its results are not reliable",
         "an error of {value:.2g %} of the sum of its parts",
         "at most {bound:g %}, as with a smaller step or spacing",
+    ),
+    "liquefied": Message(
+        "{subject} has liquefied",
+        "{share:.0f %} of its sand below water, half of that by {middle:.3g} s, the first at {first:.3g} s",
+        meaning="share of the sand of a layer that has liquefied in a run, with water.excess_pressure.liquefaction",
     ),
     "other-slope": Message(
         "the ground falls further to the {other} than to the {downhill}",
