@@ -34,7 +34,8 @@ The first run of a kind of scene compiles for some seconds.
 Where to begin:
 
 1. `make_scene` and `load_scene` make a validated, immutable `Scene`, of a mapping or a YAML file.
-2. `run` simulates it; `run_to_file` does so into a file, goes on after a kill, and is what the command `sph run` calls.
+2. `run` simulates it; `run_to_file` does so into a file, goes on after a kill, and is what the command `sph run` calls.  `run_many`
+   advances several scenes together on a graphics card.
 3. `read_run` reads a trajectory back and `scene_of` its scene; `sph.storage.trajectory.VARIABLES` has every variable with its unit.
    `in_survey`, or `read_run(..., survey=True)`, gives it in the coordinates of the survey.
 4. `measure` gives the numbers of a run; `sph.measures.metrics.METRICS` defines each.  `plot` draws it: profile, probes, energies.

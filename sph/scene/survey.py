@@ -300,6 +300,7 @@ def _table(text: str, shape: str) -> dict[str, tuple[float, float]]:
         raise ValueError(f"it holds {len(points) or 'no'} point{'s' * (not points)}; {EXPECTED}, on each of at least two lines")
     said = [] if comment is None else [_quantity(name) for name in names(comment[1], lines[-1])]
     if head is None and sorted(filter(None, said)) != ["elevation", "x"] and shape == "LineString":
+        check_elevations(list(points.values()), list(points))
         _check_order(list(points.values()))
     return points
 

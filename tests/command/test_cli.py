@@ -241,7 +241,7 @@ def test_films_and_files_for_paraview(scene_file: Path, tmp_path: Path, monkeypa
         (("--out", "x.mp4"), "apt-get install ffmpeg"),
         (("--fps", "5", "--speed", "1"), "give one of them"),
         (("--fps", "0"), "0 frames per second"),
-        (("--field", "colour"), "'colour' is not one of initial_height"),
+        (("--field", "colour"), "'colour' is not one of layer, failed, initial_height"),
         (("--out", tmp_path / "absent" / "x.gif"), "does not exist"),
     ):
         # Before any work: the trajectory is not even looked for.
