@@ -41,8 +41,8 @@ from sph.command.options import (
     parse_acceleration,
     parse_conditions,
     parse_error,
+    parse_numbers,
     parse_settings,
-    parse_spacings,
     parse_treatment,
 )
 from sph.command.terminal import Commands, refusals, say
@@ -336,7 +336,7 @@ def fos(
 
     check_known("--reduce", [reduce], ("strength", "S_R"))
     changes, of_rule = parse_settings(set_), parse_settings(rule, "--rule")
-    return answer(reduce, scene, changes, tolerance, of_rule, as_json, out, single, parse_spacings(spacings))
+    return answer(reduce, scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
 
 
 @command(
@@ -357,7 +357,7 @@ def yield_acceleration(
     from sph.command.stability import answer
 
     changes, of_rule = parse_settings(set_), parse_settings(rule, "--rule")
-    return answer("acceleration", scene, changes, tolerance, of_rule, as_json, out, single, parse_spacings(spacings))
+    return answer("acceleration", scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
 
 
 @command(
@@ -415,6 +415,30 @@ def newmark(
     up = None if upslope is None else parse_acceleration(upslope, "--upslope")
     peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
     return newmark(motion, parse_settings(set_), down, up, peak, treatment, direction, as_json)
+
+
+@command(
+    "Examples:  sph fit-shear ringshear.csv --normal-stress 100  |  "
+    "sph fit-shear box50.csv box100.csv box200.csv --normal-stress 50,100,200 --height 32 --plot tests.png",
+    "fitting the tests",
+)
+def fit_shear(
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="shear tests (CSV): displacement, shear stress and, if there, normal stress")
+    ],
+    normal: Annotated[
+        str | None, typer.Option("--normal-stress", metavar="KPA,...", help="normal stress of each file without a column of it, kPa")
+    ] = None,
+    height: Annotated[
+        float | None, typer.Option(min=0.1, max=1e4, help="height of the slope, m, from which the width of the softening follows")
+    ] = None,
+    out: Picture = None,
+    as_json: AsJson = False,
+) -> Told:
+    """Fit peak and residual strength and the loss of strength with slip to shear tests, and print the keys of a scene."""
+    from sph.command.fit_shear import fit_shear
+
+    return fit_shear(files, parse_numbers(normal, "--normal-stress"), height, out, as_json)
 
 
 @command(

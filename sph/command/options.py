@@ -103,14 +103,14 @@ def parse_error(text: str) -> float:
         raise ValueError(f"--error {text!r}: write 10% or 0.1") from error
 
 
-def parse_spacings(text: str | None) -> tuple[float, ...] | None:
-    """``"2,1"`` as (2.0, 1.0); ValueError for anything else."""
+def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
+    """``"2,1"`` as (2.0, 1.0); ValueError naming the option for anything else."""
     if text is None:
         return None
     try:
         return tuple(float(number) for number in text.split(","))
     except ValueError as error:
-        raise ValueError(f"--spacings {text!r}: write two numbers (m), e.g. 2,1") from error
+        raise ValueError(f"{option} {text!r}: write numbers with commas between them, e.g. 2,1") from error
 
 
 def parse_acceleration(text: str, option: str) -> float:
