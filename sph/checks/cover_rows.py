@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.geometry import SLOPES, Bodies
-from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
+from sph.scene.layers import DepthRegion, ElevationRegion, Region
 from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
 from sph.solver.physics.interface import soil_numbers
@@ -140,14 +140,14 @@ def strata(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return column, np.diff(heights, axis=0), number
 
 
-def _sides(region: DepthRegion | ElevationRegion | PolygonRegion, x: np.ndarray, ground: np.ndarray) -> list[np.ndarray]:
+def _sides(region: Region, x: np.ndarray, ground: np.ndarray) -> list[np.ndarray]:
     """Heights (n,) at which a region begins or ends at places x (n,) below a ground (n,), m; NaN where a side of a polygon is not."""
     if isinstance(region, DepthRegion):
         return [ground - depth for depth in (region.top, region.bottom) if depth is not None]
     if isinstance(region, ElevationRegion):
         return [np.full_like(x, height) for height in (region.bottom, region.top) if height is not None]
     found = []
-    for (x1, y1), (x2, y2) in zip(region.points, np.roll(region.outline, -1, axis=0), strict=True):
+    for (x1, y1), (x2, y2) in zip(region.outline, np.roll(region.outline, -1, axis=0), strict=True):
         if x1 != x2:
             share = (x - x1) / (x2 - x1)
             found.append(np.where((share >= 0.0) & (share <= 1.0), y1 + share * (y2 - y1), np.nan))

@@ -230,7 +230,7 @@ def _regions(scene: Scene, ground: float, number: int, top: float, bottom: float
     if isinstance(region, ElevationRegion):
         lower = region.bottom if bottom is None else _digits(ground - bottom)
         return [{"kind": "elevation", "top": _digits(ground - top), "bottom": lower}]
-    whole = shapely.Polygon(region.points)
+    whole = shapely.Polygon(region.outline)
     left, lowest, right, _ = whole.bounds
     strip = whole.intersection(shapely.box(left, lowest if bottom is None else ground - bottom, right, ground - top))
     pieces = [piece for piece in getattr(strip, "geoms", [strip]) if isinstance(piece, shapely.Polygon) and piece.area > 0.0]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sph.scene.configuration import merge, scene_files
-from sph.scene.schema import Scene, make_scene, written_scene
+from sph.scene.schema import Scene, check_unit, make_scene, written_amplitude, written_scene
 from sph.scene.strict_json import parse_json
 from sph.storage import trajectory
 from sph.storage.netcdf import Group
@@ -45,7 +45,9 @@ def read_given(path: Path, overrides: Mapping[str, Any], earlier: Group | None =
         if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit", "component"))):
             kept["motion"].pop("data", None)  # the samples are to be read again
     data = merge(kept, overrides)
-    return make_scene(data, str(path)), [str(path), *scene_files(data)]
+    scene = make_scene(data, str(path))
+    check_unit(written_amplitude(data if earlier is None else overrides), scene, f"{path}: motion.amplitude")
+    return scene, [str(path), *scene_files(data)]
 
 
 def _check_layers(kept: Mapping[str, Any], overrides: Mapping[str, Any], path: Path) -> None:

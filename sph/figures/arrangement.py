@@ -19,7 +19,7 @@ from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profile
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled, written
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
-from sph.scene.layers import DepthRegion, ElevationRegion, LayerMaterial, PolygonRegion
+from sph.scene.layers import ElevationRegion, LayerMaterial, OutlinedRegion, Region
 from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.places import Shape
 from sph.scene.schema import Scene
@@ -105,9 +105,9 @@ def draw_seams(ax: Axes, scene: Scene) -> None:
         ax.annotate(plain(name).replace("_", " "), (x[middle], y[middle]), (0, 4), textcoords="offset points", **look)
 
 
-def _outline(region: DepthRegion | ElevationRegion | PolygonRegion, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _outline(region: Region, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Corners (n, 2) of a layer in the box, m, below a ground of these corners."""
-    if isinstance(region, PolygonRegion):
+    if isinstance(region, OutlinedRegion):
         return np.column_stack(geometry.in_box(*region.outline.T))
     if isinstance(region, ElevationRegion):
         ends = [

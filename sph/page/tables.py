@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from sph.checks.after_run import is_braked, is_lower_bound, is_open
 from sph.experiments.variants.advice import percent
-from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
+from sph.scene.layers import BelowRegion, DepthRegion, PolygonRegion, Region
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.scene.units import beside_g
@@ -233,10 +233,12 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
     return Table("Layers; where two overlap, the later one counts", head, rows)
 
 
-def region_words(region: DepthRegion | ElevationRegion | PolygonRegion) -> str:
+def region_words(region: Region) -> str:
     """Where a layer lies, in words."""
     if isinstance(region, PolygonRegion):
         return f"inside a polygon of {len(region.points)} corners"
+    if isinstance(region, BelowRegion):
+        return f"below a boundary of {len(region.points)} points"
     if isinstance(region, DepthRegion):
         return f"from {region.top:g} m below the ground to {'the base' if region.bottom is None else f'{region.bottom:g} m'}"
     low, high = (

@@ -88,12 +88,17 @@ class PolygonBody(Section):
         return np.array(self.points)
 
     def contains(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Which of the places (n,) lie inside, by the number of sides to their right."""
-        inside = np.zeros(np.shape(x), bool)
-        for (x1, y1), (x2, y2) in zip(self.points, np.roll(self.outline, -1, axis=0), strict=True):
-            if y1 != y2:
-                inside ^= ((y1 <= y) != (y2 <= y)) & (x < x1 + (y - y1) / (y2 - y1) * (x2 - x1))
-        return inside
+        """Which of the places (n,) lie inside."""
+        return inside(self.outline, x, y)
+
+
+def inside(outline: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Which of the places (n,) lie inside a polygon of corners (m, 2), by the number of sides to their right."""
+    odd = np.zeros(np.shape(x), bool)
+    for (x1, y1), (x2, y2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if y1 != y2:
+            odd ^= ((y1 <= y) != (y2 <= y)) & (x < x1 + (y - y1) / (y2 - y1) * (x2 - x1))
+    return odd
 
 
 class RingBody(Section):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import model_validator
 
-from sph.scene.configuration import FileSection, key
+from sph.scene.configuration import key
 from sph.scene.places import Coordinate, Point, Shape
-from sph.scene.survey import check_line, read_line
+from sph.scene.survey import SurveyLine, check_line, read_line
 
 GENTLE = 0.5
 """What is gentler than this part of the mean gradient of the ground's largest climb lies before the toe or behind the crest."""
@@ -24,10 +24,8 @@ STEEPEST, LONGEST, HIGHEST = 10.0, 500.0, 1000.0
 elevation are of different units, as m and km, or the line lies in plan."""
 
 
-class GroundLine(FileSection, Shape):
+class GroundLine(SurveyLine, Shape):
     """Soil below a ground line, in the coordinates of its survey; the box turns the toe of the slope to the left."""
-
-    content: ClassVar[tuple[str, ...]] = ("points",)
 
     shape: Literal["ground_line"] = key("soil below a surveyed line")
     points: tuple[Point, ...] = key(
@@ -47,7 +45,7 @@ class GroundLine(FileSection, Shape):
     @classmethod
     def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
         """The points of a file."""
-        return {"points": read_line(path)}
+        return {"points": read_line(path, section=keys.get("section"))}
 
     @model_validator(mode="after")
     def _sound(self) -> GroundLine:

@@ -7,20 +7,25 @@ its soil in which it differs.  How layers enter the equations: ``sph.solver.phys
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from sph.scene.configuration import Section, key
-from sph.scene.geometry import PolygonBody
-from sph.scene.places import Coordinate
+from sph.scene.geometry import inside
+from sph.scene.places import Coordinate, Point
 from sph.scene.soil import Coupling, Softening, Soil
+from sph.scene.survey import SurveyLine, check_line, read_line, read_outline
 
 if TYPE_CHECKING:
     from sph.scene.schema import Scene
 
 Depth = Annotated[float, Field(ge=0, le=1e4)]
+FAR = 1e5
+"""How far a boundary goes on level beyond its ends, and what lies below it downwards, m."""
 
 
 class DepthRegion(Section):
@@ -68,14 +73,19 @@ class ElevationRegion(Section):
         return ground if self.top is None else np.minimum(ground, self.top)
 
 
-class PolygonRegion(PolygonBody):
-    """What lies inside a polygon: lenses, fills, a weathered zone."""
+class OutlinedRegion(SurveyLine):
+    """What lies within straight sides."""
 
-    kind: Literal["polygon"] = key("inside of a polygon")
+    points: tuple[Point, ...]
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Corners (n, 2), m."""
+        return np.array(self.points)
 
     def contains(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray | None = None) -> np.ndarray:
         """Which of the places (n,) lie in it, m."""
-        return super().contains(x, y)
+        return inside(self.outline, x, y)
 
     def upper_side(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
         """Height (n,) of the side next above places (n,) in it, the ground where that is lower, m."""
@@ -88,10 +98,55 @@ class PolygonRegion(PolygonBody):
         return lowest
 
 
+class PolygonRegion(OutlinedRegion):
+    """What lies inside a polygon: lenses, fills, a weathered zone."""
+
+    kind: Literal["polygon"] = key("inside of a polygon")
+    points: tuple[Point, ...] = key(
+        "corners [x, y] in order, the last joined to the first; or in a file: CSV, GeoJSON or WKT", "m", min_length=3, max_length=10000
+    )
+
+    @classmethod
+    def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
+        """The corners in a file."""
+        return {"points": read_outline(path, keys.get("section"))}
+
+
+class BelowRegion(OutlinedRegion):
+    """What lies below a boundary, such as the top of rock between boreholes."""
+
+    kind: Literal["below"] = key("below a boundary between layers")
+    points: tuple[Point, ...] = key(
+        "boundary [x, elevation], level beyond its ends; or in a file: CSV, GeoJSON or WKT", "m", min_length=2, max_length=10000
+    )
+
+    @classmethod
+    def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
+        """The points of a file."""
+        return {"points": read_line(path, steps=False, section=keys.get("section"))}
+
+    @model_validator(mode="after")
+    def _sound(self) -> BelowRegion:
+        check_line(self.points, [f"points.{number}" for number in range(len(self.points))], steps=False)
+        return self
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Corners (n, 2) of what lies below, m."""
+        line = np.array(self.points)
+        line = line if line[-1, 0] > line[0, 0] else line[::-1]
+        left, right = line[0] - (FAR, 0.0), line[-1] + (FAR, 0.0)
+        return np.vstack([left, line, right, right - (0.0, FAR), left - (0.0, FAR)])
+
+
+Region = DepthRegion | ElevationRegion | PolygonRegion | BelowRegion
+"""Place of a layer."""
+
+
 class Layer(Section):
     """A region of other soil."""
 
-    region: Annotated[DepthRegion | ElevationRegion | PolygonRegion, Field(discriminator="kind")] = key("place of the layer")
+    region: Annotated[Region, Field(discriminator="kind")] = key("place of the layer")
     soil: Soil = key("material of the layer; give only the keys that differ from the scene's soil", default=Soil())
     S_R: float | None = key("strength ratio of the layer; null: that of coupling", ge=0, le=1, default=None)
     r_u: float | None = key("pore pressure ratio of the layer; null: that of water", ge=0, lt=1, default=None)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -33,7 +34,7 @@ from sph.scene.gravity import (
     UniformStress,
     VelocityGradient,
 )
-from sph.scene.ground_motion.record import Record, processed
+from sph.scene.ground_motion.record import Record, own_peak, processed
 from sph.scene.laboratory import RESIDUALS, as_computed
 from sph.scene.layers import Layer, LayerMaterial, check_coupling, materials_of
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker, vertical_acceleration
@@ -43,6 +44,7 @@ from sph.scene.scheme import filled, missing
 from sph.scene.seams import Seam, check_seams
 from sph.scene.soil import Coupling, Soil
 from sph.scene.uncertain import Uncertain, Variable, check_varying, drawn, told
+from sph.scene.units import in_both
 from sph.scene.walls import Walls, check_walls
 from sph.scene.water import Water, check_water
 
@@ -479,6 +481,26 @@ def written_scene(path: Path | str) -> dict[str, Any]:
     return {"probes": Scene.model_fields["probes"].default, **read_scene(path)}
 
 
+def check_unit(amplitude: Any, scene: Scene, where: str) -> None:
+    """ValueError where an ``amplitude``, as it is written for a scene with a record, is a number below 1 without a unit and the record has
+    more than 1 m/s2: it may be meant in g."""
+    texts = [amplitude] if isinstance(amplitude, (int, float, str)) else []
+    bare = [text for text in texts if isinstance(text, (int, float)) or re.fullmatch(r"\s*\d*\.?\d+\s*", text)]
+    if bare and isinstance(scene.motion, Record) and 0.0 < float(bare[0]) < 1.0 < (peak := own_peak(scene.motion)):
+        raise ValueError(
+            f"{where}: {bare[0]} has no unit, and the record has {in_both(peak)}: write {bare[0]}g or '{bare[0]} m/s2', whichever is meant"
+        )
+
+
+def written_amplitude(data: Mapping[str, Any]) -> Any:
+    """``motion.amplitude`` of a scene's mapping as it is written; None without it."""
+    motion = data.get("motion")
+    return motion.get("amplitude") if isinstance(motion, Mapping) else None
+
+
 def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
     """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
-    return make_scene(merge(written_scene(path), overrides or {}), str(path))
+    data = merge(written_scene(path), overrides or {})
+    scene = make_scene(data, str(path))
+    check_unit(written_amplitude(data), scene, f"{path}: motion.amplitude")
+    return scene

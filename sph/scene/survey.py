@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import shapely
 
 from sph.scene.cells import COMMENT, cells, check_commas, counts_rows, listed, names, words
-from sph.scene.configuration import DEEPEST, one_line, read_text
+from sph.scene.configuration import DEEPEST, FileSection, key, one_line, read_text
 from sph.scene.strict_json import parse_json, to_json
 from sph.scene.units import Units, named, unit_of
 
@@ -69,6 +69,8 @@ UNITS = {"m", "metre", "metres", "meter", "meters", "ft", "km", "in", "of", "the
 PLAN = {"easting", "eastings", "northing", "northings", "east", "north", "e", "n", "lon", "long", "longitude", "lat", "latitude"}
 PLAN |= {"rechtswert", "hochwert", "ostwert", "nordwert"}
 """Words of coordinates in plan."""
+SECTIONS = {"section", "sections", "profile", "line", "name", "id"}
+"""Words of a column that names the sections of a file, beside ``PARTS``."""
 PARTS = {"polygon", "linestring", "line", "string", "polyline", "part", "feature", "fid", "shape"}
 """Words of a column that numbers the lines of a file."""
 DATUM = re.compile(r"(?<![a-z])(m?)[ _]?(?:navd|ngvd|dhhn|nhn|ahd|aod|odn|nap|egm|evrf)[ _-]?(?:\d{2,4})?(?![a-z\d])", re.IGNORECASE)
@@ -104,13 +106,27 @@ STEEP, STEEPER, HIGH = 2.0, 5.0, 100.0
 in the data and not ground, which would be a face of 63 or 79 degrees that alone is higher than all the rest of the line."""
 
 
+class SurveyLine(FileSection):
+    """A line whose points may stand in a file of the survey, alone or as one of several sections."""
+
+    content: ClassVar[tuple[str, ...]] = ("points",)
+
+    section: str | None = key(
+        "name of one of several sections in the file: in a column section (CSV), or a property of its feature (GeoJSON); null: the file "
+        "holds one line",
+        default=None,
+        min_length=1,
+        max_length=200,
+    )
+
+
 class _InPlan(ValueError):
     """Coordinates in plan that are not known to be in metres, or that hold no elevation."""
 
 
-def read_line(path: Path, steps: bool = True) -> list[tuple[float, float]]:
-    """Points (x, elevation) of the one line in a file, m, with vertical ``steps`` or without.  ValueError names the line or the point, and
-    what is expected there.
+def read_line(path: Path, steps: bool = True, section: Any = None) -> list[tuple[float, float]]:
+    """Points (x, elevation) of the one line in a file, or of its ``section``, m, with vertical ``steps`` or without.  ValueError names the
+    line or the point, and what is expected there.
 
     CSV: two columns between commas, semicolons, tabs or blanks; lines with '#' are left out, and between semicolons and tabs a comma is a
     decimal one; a row of names at the top decides which column is x and which the elevation, beside one that counts the rows; names, and
@@ -119,22 +135,97 @@ def read_line(path: Path, steps: bool = True) -> list[tuple[float, float]]:
     elevation, unless a system of coordinates says that they lie in plan; with three they are easting, northing and elevation, and x is
     the distance along the line in plan.
     """
-    text = read_text(path)
-    form = text.strip()
-    kind = "GeoJSON" if form.startswith(("{", "[")) else "WKT" if WKT.match(form) else None
-    found = _points(form, kind) if kind else _table(text)
+    found = _read(path, section)
     points, places = list(found.values()), list(found)
     check_line(points, places, steps)
     _check_gaps(points, places)
     return points
 
 
+def read_outline(path: Path, section: Any = None) -> list[tuple[float, float]]:
+    """Corners (x, elevation) of the one polygon in a file, or of its ``section``, m, in the forms of ``read_line``, each corner once; a
+    GeoJSON or WKT may hold it as a Polygon.  ValueError as there."""
+    found = _read(path, section, "Polygon")
+    points, places = list(found.values()), list(found)
+    check_elevations(points, places)
+    return points[:-1] if points[0] == points[-1] else points
+
+
+def _read(path: Path, section: Any, shape: str = "LineString") -> dict[str, tuple[float, float]]:
+    """Points by their places in a file."""
+    text = read_text(path)
+    form = text.strip()
+    kind = "GeoJSON" if form.startswith(("{", "[")) else "WKT" if WKT.match(form) else None
+    if section is not None:
+        form = text = _of_section(form if kind else text, kind, str(section))
+    return _points(form, kind, shape) if kind else _table(text, shape)
+
+
+def _of_section(text: str, kind: str | None, section: str) -> str:
+    """A file with one of its sections alone; a table keeps the numbers of its lines.  ValueError names the sections that it holds."""
+    if kind == "WKT":
+        raise ValueError(f"section: {section[:80]!r}: WKT names no sections; give CSV with a column section, or GeoJSON with a property")
+    if kind == "GeoJSON":
+        data = parse_json(text)
+        features = data.get("features") if isinstance(data, dict) else None
+        owned = [each.get("properties") or {} if isinstance(each, dict) else {} for each in features or ()]
+        kept = [each for each, own in zip(features or (), owned, strict=True) if section in map(str, own.values())]
+        if not kept:
+            some = _some(str(one) for own in owned for one in own.values())
+            raise ValueError(f"section: {section[:80]!r} is no property of a feature; they have {some}")
+        return to_json({**data, "features": kept})
+    lines = text.splitlines()
+    rows = [(at, cells(line)) for at, line in enumerate(lines) if any(cells(line)) and not line.lstrip().startswith(COMMENT)]
+    head = names(lines[rows[0][0]], lines[rows[-1][0]]) if rows else []
+    columns = [at for at, name in enumerate(head) if words(name) and (SECTIONS | PARTS).issuperset(words(name))]
+    named = [at for at in columns if any(texts[at : at + 1] == [section] for _, texts in rows[1:])]
+    if len(named) != 1:
+        held = "; ".join(f"{head[at]!r} holds {_some(texts[at] for _, texts in rows[1:] if at < len(texts))}" for at in columns)
+        raise ValueError(
+            f"section: {section[:80]!r} is in {len(named) or 'no'} column of sections; {held or 'no column is called section'}"
+        )
+    kept_lines = [line if line.lstrip().startswith(COMMENT) else "" for line in lines]
+    for number, (at, texts) in enumerate(rows):
+        if number == 0 or texts[named[0] : named[0] + 1] == [section]:
+            own = head if number == 0 else texts
+            kept_lines[at] = ";".join(text for place, text in enumerate(own) if place != named[0])
+    return "\n".join(kept_lines)
+
+
+def _some(values: Iterable[str]) -> str:
+    found = list(dict.fromkeys(values))
+    return listed(found[:10]) + ", ..." * (len(found) > 10) if found else "none"
+
+
+def _check_order(points: list[tuple[float, float]]) -> None:
+    """Refuse columns without names that are no profile, or a steep one, and a better one with x and elevation swapped."""
+    x, y = np.array(points, float).T
+    goes_on, rises_on = ((np.diff(each) >= 0.0).all() or (np.diff(each) <= 0.0).all() for each in (x, y))
+    if rises_on and (not goes_on or np.ptp(y) > STEEP * np.ptp(x)):
+        raise ValueError(
+            f"its columns have no names and may be swapped: as x and elevation the line spreads over {np.ptp(x):.4g} m and rises by "
+            f"{np.ptp(y):.4g} m{'' if goes_on else ', and turns back'}; write their names above them, as x (m),elevation (m)"
+        )
+
+
 def check_line(points: Sequence[tuple[float, float]], places: Sequence[str], steps: bool = True) -> None:
     """Refuse points (x, elevation) of a line in a vertical section, m, that no ground has, and a line that turns back, or with ``steps``
     false is vertical; ValueError names one of the ``places`` that the points have in their file or scene."""
+    check_elevations(points, places)
+    x = np.array(points, float)[:, 0]
+    along = np.diff(x) * (1.0 if x[-1] >= x[0] else -1.0)
+    back = np.flatnonzero(along < 0.0 if steps else along <= 0.0)
+    if back.size:
+        (x1, y1), (x2, y2) = points[back[0]], points[back[0] + 1]
+        fault = "the line may not overhang" if steps else "the line may not overhang or be vertical"
+        raise ValueError(f"{places[back[0] + 1]}: ({x2:.10g}, {y2:.10g}) m lies behind ({x1:.10g}, {y1:.10g}) m; {fault}")
+
+
+def check_elevations(points: Sequence[tuple[float, float]], places: Sequence[str]) -> None:
+    """Refuse points (x, elevation) that no ground has, m, and too many; ValueError as ``check_line``."""
     if len(points) > MAX_POINTS:
         raise ValueError(f"it holds {len(points):,} points, at most {MAX_POINTS:,}; leave some out")
-    x, y = np.array(points, float).T
+    y = np.array(points, float)[:, 1]
     wrong = np.flatnonzero((y < LOWEST) | (y > HIGHEST))
     if wrong.size:
         remedy = "leave out points without data"
@@ -143,12 +234,6 @@ def check_line(points: Sequence[tuple[float, float]], places: Sequence[str], ste
         raise ValueError(
             f"{places[wrong[0]]}: elevation {y[wrong[0]]:.10g} m: no ground lies below {LOWEST:g} m or above {HIGHEST:,g} m; {remedy}"
         )
-    along = np.diff(x) * (1.0 if x[-1] >= x[0] else -1.0)
-    back = np.flatnonzero(along < 0.0 if steps else along <= 0.0)
-    if back.size:
-        (x1, y1), (x2, y2) = points[back[0]], points[back[0] + 1]
-        fault = "the line may not overhang" if steps else "the line may not overhang or be vertical"
-        raise ValueError(f"{places[back[0] + 1]}: ({x2:.10g}, {y2:.10g}) m lies behind ({x1:.10g}, {y1:.10g}) m; {fault}")
 
 
 def _check_gaps(points: list[tuple[float, float]], places: list[str]) -> None:
@@ -171,8 +256,8 @@ def _check_gaps(points: list[tuple[float, float]], places: list[str]) -> None:
             )
 
 
-def _table(text: str) -> dict[str, tuple[float, float]]:
-    """Points by the numbers of their lines."""
+def _table(text: str, shape: str) -> dict[str, tuple[float, float]]:
+    """Points by the numbers of their lines; those of a line need not have names above them where their order is plain."""
     points: dict[str, tuple[float, float]] = {}
     comment: tuple[int, str] | None = None
     head: tuple[int, str] | None = None
@@ -206,10 +291,16 @@ def _table(text: str) -> dict[str, tuple[float, float]]:
             raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: {EXPECTED}")
         part = part or [texts[place] for place in parts]
         if part != [texts[place] for place in parts]:
-            raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: another line begins; leave one line in the file")
+            raise ValueError(
+                f"line {number}: {one_line(line.strip(), 60)!r}: another line begins; leave one line in the file, "
+                "or choose one by the key section"
+            )
         points[f"line {number}"] = x, y
     if len(points) < 2:
         raise ValueError(f"it holds {len(points) or 'no'} point{'s' * (not points)}; {EXPECTED}, on each of at least two lines")
+    said = [] if comment is None else [_quantity(name) for name in names(comment[1], lines[-1])]
+    if head is None and sorted(filter(None, said)) != ["elevation", "x"] and shape == "LineString":
+        _check_order(list(points.values()))
     return points
 
 
@@ -291,8 +382,8 @@ def _check_system(crs: Any) -> None:
         )
 
 
-def _points(text: str, form: str) -> dict[str, tuple[float, float]]:
-    """Points by their numbers."""
+def _points(text: str, form: str, shape: str) -> dict[str, tuple[float, float]]:
+    """Points of the only line, or of the outside of the only polygon, by their numbers."""
     systems: list[Any] = []
     try:
         # What is nested too deeply would end the process.
@@ -311,9 +402,11 @@ def _points(text: str, form: str) -> dict[str, tuple[float, float]]:
     except (shapely.errors.ShapelyError, ValueError) as error:
         raise ValueError(f"it is not {form} of a line: {one_line(str(error), 200)}") from error
     lines = [part for part in shapely.get_parts(shapely.get_parts(found)) if not part.is_empty]
-    if len(lines) != 1 or lines[0].geom_type != "LineString":
+    if shape == "Polygon":
+        lines = [part.exterior if part.geom_type == "Polygon" and not part.interiors else part for part in lines]
+    if len(lines) != 1 or lines[0].geom_type not in ("LineString", "LinearRing"):
         kinds = ", ".join(part.geom_type for part in lines[:5]) or f"an empty {found.geom_type}"
-        raise ValueError(f"it holds {kinds}; expected one LineString")
+        raise ValueError(f"it holds {kinds}; expected one {shape}{' without holes' * (shape == 'Polygon')}")
     points = shapely.get_coordinates(lines[0], include_z=True)
     solid = np.isfinite(points[:, 2]).any()
     if systems and not solid:
@@ -331,6 +424,8 @@ def _points(text: str, form: str) -> dict[str, tuple[float, float]]:
                 f"its points rise by {rise:.4g} m over {plan:.4g} in plan and are within 180 and 90: they may be degrees of longitude and "
                 "latitude, the coordinates of GeoJSON; project the line to a system in metres, as UTM, or give x and elevation"
             )
+    if solid and shape == "Polygon":
+        raise ValueError("its corners have easting, northing and elevation; give distance along the section and elevation, in m")
     if solid:
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points[:, :2], axis=0).T))])
         points = np.column_stack([along, points[:, 2]])

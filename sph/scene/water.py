@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from sph.scene.configuration import FileSection, key
+from sph.scene.configuration import key
 from sph.scene.geometry import Geometry
 from sph.scene.places import Coordinate, Point, Shape
-from sph.scene.survey import check_line, read_line
+from sph.scene.survey import SurveyLine, check_line, read_line
 
 if TYPE_CHECKING:
     from sph.scene.schema import Scene
@@ -30,10 +30,8 @@ PRESSURES = {
 Ratio = Annotated[float, Field(ge=0, lt=1)]
 
 
-class Water(FileSection):
+class Water(SurveyLine):
     """Pore pressure of the soil: by ``level``, by ``points`` or ``file``, or by ``r_u``."""
-
-    content: ClassVar[tuple[str, ...]] = ("points",)
 
     pressure: Literal["by_place", "carried"] = key("; ".join(f"{name}: {text}" for name, text in PRESSURES.items()))
     level: Coordinate | None = key("elevation of a level phreatic surface, in the coordinates of the ground", "m", default=None)
@@ -52,7 +50,7 @@ class Water(FileSection):
     @classmethod
     def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
         """The points of a file."""
-        return {"points": read_line(path, steps=False)}
+        return {"points": read_line(path, steps=False, section=keys.get("section"))}
 
     @model_validator(mode="before")
     @classmethod

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from typing import Any
 from sph.measures.fields import check_probe
 from sph.measures.places import check_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
-from sph.scene.schema import Scene
+from sph.scene.schema import Scene, check_unit, written_amplitude
 from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, title_of, value_of
 from sph.study.runs import YIELD, BaseScene, Kind, PlannedRun, SharedRuns
@@ -236,11 +237,23 @@ def load_study(
     plan = Plan(study, read_scene(scene), str(scene))
     if check:
         plan.validate()
+        _check_units(plan, data, str(scene), origin)
         sources: list[Path | str] = [scene, *scene_files(plan.scene()), *([] if cases is None else [found_file(folders, cases, "cases")])]
         results = Path(folders[0], "results", study.study)
         _check_apart(sources, results, origin)
         _check_owner(results, study, origin)
     return plan
+
+
+def _check_units(plan: Plan, data: Mapping[str, Any], scene: str, origin: str) -> None:
+    """Refuse amplitudes without a unit that may be meant in g: that of the scene, where no dimension is, and a grid of such alone."""
+    first, grid = plan.built(**next(iter(plan.study.runs.values()))), data.get("grid")
+    if "amplitude" not in plan.study.names:
+        check_unit(written_amplitude(read_yaml(scene)), first, f"{scene}: motion.amplitude")
+    elif isinstance(grid, Mapping) and grid.get("amplitude"):
+        with_units = [text for text in grid["amplitude"] if isinstance(text, str) and not re.fullmatch(r"[\d.\s]+", text)]
+        largest = with_units[0] if with_units else max(grid["amplitude"], key=float)
+        check_unit(largest, first, f"{origin}: grid.amplitude")
 
 
 OWNER = "scene_file.txt"

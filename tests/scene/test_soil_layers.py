@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
-from sph.scene.schema import make_scene
+from sph.checks.equilibrium import equilibrium_numbers, found_equilibrium
+from sph.scene.configuration import read_scene, scene_files
+from sph.scene.schema import load_scene, make_scene, stored_scene
 from sph.solver.particles import layer_index, place_particles
 
 SLOPE: dict[str, Any] = {"scheme": "paper", "name": "s", "geometry": {"shape": "slope"}, "soil": {"density": 1800.0, "cohesion": 40.0}}
@@ -63,3 +67,27 @@ def test_a_bad_layer_is_refused_by_its_key(layer: Any, where: str, what: str) ->
 def test_a_bad_name_is_refused() -> None:
     with pytest.raises(ValueError, match="layers"):
         layered(**{"soft clay": {"region": {"kind": "depth"}}})
+
+
+def test_a_boundary_and_a_polygon_may_stand_in_files(tmp_path: Path) -> None:
+    """Beside the scene; what lies below a boundary lies where a polygon under it does, and level beyond its ends."""
+    (tmp_path / "rock.csv").write_text("x (m),level (m)\n60,4\n90,20\n")
+    (tmp_path / "lens.geojson").write_text('{"type": "Polygon", "coordinates": [[[10, 2], [20, 2], [20, 8], [10, 8], [10, 2]]]}')
+    layers = {
+        "rock": {"region": {"kind": "below", "file": "rock.csv"}},
+        "lens": {"region": {"kind": "polygon", "file": "lens.geojson"}},
+    }
+    path = tmp_path / "scene.yaml"
+    path.write_text(yaml.safe_dump(SLOPE | {"layers": layers}, sort_keys=False))
+    scene = load_scene(path)
+    x, y = np.array([40.0, 40.0, 75.0, 75.0, 110.0, 110.0, 15.0]), np.array([3.5, 4.5, 11.0, 13.0, 19.0, 21.0, 4.0])
+    assert layer_index(scene, x, y).tolist() == [1, 0, 1, 0, 1, 0, 2]
+    below = [[-50, 4], [60, 4], [90, 20], [300, 20], [300, -9], [-50, -9]]
+    lens = [[10, 2], [20, 2], [20, 8], [10, 8]]
+    same = layered(rock={"region": {"kind": "polygon", "points": below}}, lens={"region": {"kind": "polygon", "points": lens}})
+    found, wanted = (place_particles(each).layer for each in (scene, same))
+    assert np.array_equal(found, wanted)
+    assert scene_files(read_scene(path)) == sorted(str(tmp_path / name) for name in ("rock.csv", "lens.geojson"))
+    assert stored_scene(scene.model_dump(mode="json")) == scene, "without the files"
+    one, other = (found_equilibrium(each) for each in (scene, same))
+    assert one is not None and other is not None and equilibrium_numbers(one) == equilibrium_numbers(other)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from sph.command.new import write_new
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
-from sph.scene.survey import HIGHEST, LOWEST, NODATA, read_line
+from sph.scene.survey import HIGHEST, LOWEST, NODATA, read_line, read_outline
 from sph.scene.water import Water
 
 Line = list[tuple[float, float]]
@@ -365,3 +365,62 @@ def test_every_refusal_names_the_file_and_the_row(tmp_path: Path) -> None:
         validated(GroundLine, {"shape": "ground_line", "base": -1.0, "file": str(file)}, "scene.yaml")
     with pytest.raises(ValueError, match="points.1: elevation 5500001 m"):
         validated(GroundLine, {"shape": "ground_line", "points": [(5e5, 5.5e3), (500001.0, 5500001.0)], "base": 0.0}, "scene.yaml")
+
+
+def test_columns_without_names_that_are_swapped_are_refused(tmp_path: Path) -> None:
+    """Of a slope of 1 : 4 either way; ground that is a profile as it stands is read, and so are swapped columns with names."""
+    ground = [(0, 98.0), (40, 98.5), (60, 104), (90, 120), (140, 121)]
+    back = [(0, 98.0), (40, 98.5), (60, 104), (90, 103.0), (140, 121)]
+    for points, fault in ((ground, "may be swapped"), (back, None)):
+        swapped = "\n".join(f"{y},{x}" for x, y in points)
+        with pytest.raises(ValueError, match="may be swapped" if fault else "may be swapped.*turns back"):
+            read(tmp_path, swapped)
+        assert read(tmp_path, "\n".join(f"{x},{y}" for x, y in points)) == points
+        assert read(tmp_path, f"elevation (m),x (m)\n{swapped}") == points
+
+
+SEVERAL = """\
+# two sections
+section,chainage (m),elevation (m)
+A,0,10
+B,0,5
+A,30,20
+B,40,15
+"""
+FEATURES = (
+    '{"type": "FeatureCollection", "features": ['
+    '{"type": "Feature", "properties": {"name": "A"}, "geometry": {"type": "LineString", "coordinates": [[0, 10], [30, 20]]}},'
+    '{"type": "Feature", "properties": {"name": "B"}, "geometry": {"type": "LineString", "coordinates": [[0, 5], [40, 15]]}}]}'
+)
+
+
+@pytest.mark.parametrize("text", [SEVERAL, SEVERAL.replace(",", ";"), FEATURES], ids=["comma", "semicolon", "features"])
+def test_a_section_is_chosen_by_its_name(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "survey"
+    path.write_text(text)
+    assert read_line(path, section="A") == [(0, 10), (30, 20)] and read_line(path, section="B") == [(0, 5), (40, 15)]
+    with pytest.raises(ValueError, match=r"section: 'C' is .*'A', 'B'"):
+        read_line(path, section="C")
+
+
+def test_a_fault_in_a_section_names_its_row(tmp_path: Path) -> None:
+    path = tmp_path / "survey.csv"
+    path.write_text(SEVERAL.replace("B,40,15", "B,40,x"))
+    with pytest.raises(ValueError, match="line 6"):
+        read_line(path, section="B")
+
+
+def test_an_outline_is_read_as_a_table_and_as_a_polygon(tmp_path: Path) -> None:
+    corners = [(10.0, 2.0), (20.0, 2.0), (20.0, 8.0), (10.0, 8.0)]
+    path = tmp_path / "lens"
+    for text in (
+        "x,y\n" + "".join(f"{x},{y}\n" for x, y in corners),
+        "x,y\n" + "".join(f"{x},{y}\n" for x, y in [*corners, corners[0]]),
+        "POLYGON ((10 2, 20 2, 20 8, 10 8, 10 2))",
+        '{"type": "Polygon", "coordinates": [[[10, 2], [20, 2], [20, 8], [10, 8], [10, 2]]]}',
+    ):
+        path.write_text(text)
+        assert read_outline(path) == corners, text
+    path.write_text("POLYGON ((0 0, 9 0, 9 9, 0 0), (2 1, 3 1, 3 2, 2 1))")
+    with pytest.raises(ValueError, match="expected one Polygon without holes"):
+        read_outline(path)

@@ -204,6 +204,11 @@ class Processed(NamedTuple):
     vertical: np.ndarray  # (n,) m/s2, zeros without one
 
 
+def own_peak(record: Record) -> float:
+    """Largest horizontal acceleration in a record as it was read, m/s2."""
+    return float(np.abs(_samples(record)[0][0]).max())
+
+
 SCALES = {"amplitude": "m/s2", "peak_velocity": "m/s", "arias_intensity": "m/s", "spectral_acceleration.value": "m/s2"}
 """Keys to one of which a record is scaled, and their units."""
 

@@ -23,7 +23,7 @@ from sph.scene.ground_motion.record import processed
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
 from sph.scene.loading import make_loading, motion_of
 from sph.scene.motion import reference_amplitude
-from sph.scene.schema import Scene, load_scene, make_scene
+from sph.scene.schema import Scene, load_scene, make_scene, stored_scene
 from sph.stability.newmark import sliding_block
 from sph.study.baseline import newmark_factor
 
@@ -407,3 +407,24 @@ def test_a_folder_and_a_pipe_are_no_records(tmp_path: Path) -> None:
     for name, what in (("folder.csv", "a folder"), ("pipe.csv", "a device or a pipe")):
         with pytest.raises(ValueError, match=rf"motion: file: .*{name}'.*{what}"):
             make_scene(shaken(file=str(tmp_path / name)))
+
+
+def test_an_amplitude_that_may_be_meant_in_g_needs_its_unit(records: Path) -> None:
+    """The record has 3 m/s2; what is stored has no units, and is read."""
+    with pytest.raises(ValueError, match=r"motion.amplitude: 0.35 has no unit.*write 0.35g or '0.35 m/s2'"):
+        load_scene(written(records, amplitude=0.35))
+    with pytest.raises(ValueError, match="has no unit"):
+        load_scene(written(records), {"motion": {"amplitude": "0.35"}})
+    for text, wanted in (("0.35g", 3.4335), ("0.35 m/s2", 0.35), (1.2, 1.2), (0, 0.0)):
+        scene = load_scene(written(records, amplitude=text))
+        assert reference_amplitude(scene.motion) == pytest.approx(wanted)
+        assert stored_scene(scene.model_dump(mode="json")) == scene
+    study = {"study": "s", "scene": str(written(records)), "fidelity": "own", "fidelities": {"own": {}}}
+    for values, fault in ((["0.2", "0.35"], True), ([0.35], True), (["0.2g", "0.35"], False), (["0.35", "2.0"], False)):
+        if fault:
+            with pytest.raises(ValueError, match="grid.amplitude: 0.35 has no unit"):
+                load_study(study | {"grid": {"amplitude": values}})
+        else:
+            load_study(study | {"grid": {"amplitude": values}})
+    with pytest.raises(ValueError, match="slope.yaml: motion.amplitude: 0.35 has no unit"):
+        load_study(study | {"scene": str(written(records, amplitude=0.35)), "grid": {"S_R": ["0.5"]}})
