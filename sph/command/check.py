@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +16,8 @@ from sph.checks.scene import choices, findings, highest_frequency, in_wave, stre
 from sph.checks.stability import stability
 from sph.command.given import read_given
 from sph.command.outputs import check_picture
-from sph.command.terminal import aligned, table
+from sph.command.terminal import aligned, say, table
+from sph.command.watch import Shown, svg, watch
 from sph.measures.metrics import MetricSettings
 from sph.measures.places import PlaceAt, check_places
 from sph.scene.configuration import read_yaml, validated
@@ -41,8 +43,17 @@ class Check(NamedTuple):
     findings: list[Finding]
 
 
-def answer(path: Path, changes: Mapping[str, Any], plot: Path | None, study: Path | None, static: bool, as_json: bool) -> str:
-    """The summary and the findings of the scene in a file, with changes; its picture, with the places of a study, where asked for."""
+def answer(
+    path: Path, changes: Mapping[str, Any], plot: Path | None, study: Path | None, static: bool, as_json: bool, watching: bool = False
+) -> str | None:
+    """The summary and the findings of the scene in a file, with changes; its picture, with the places of a study, where asked for.  None
+    where they were shown in the browser, and again whenever a file was saved, until the command was interrupted."""
+    if watching:
+        asked = [name for name, given in (("--plot", plot), ("--stability", static), ("--json", as_json)) if given]
+        if asked:
+            raise ValueError(f"--watch: shows section and findings in the browser; leave out {' and '.join(asked)}")
+        watch(path, partial(shown, path, changes, study), say)
+        return None
     scene, inputs = read_given(path, changes)
     if plot is not None:
         check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
@@ -56,8 +67,21 @@ def answer(path: Path, changes: Mapping[str, Any], plot: Path | None, study: Pat
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
         return to_json({"rows": dict(facts), "layers": named, "findings": [record(each) for each in told]}, indent=1)
-    lines = [aligned(facts), table(LAYER_COLUMNS, layers), *(line(each) for each in told)]
-    return "\n".join([*lines, *["no warnings"] * (not any(each.counts for each in told))])
+    return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told)])
+
+
+def told_lines(told: Sequence[Finding]) -> list[str]:
+    """A line for each finding, and where none counts that there is none."""
+    return [*map(line, told), *["no warnings"] * (not any(each.counts for each in told))]
+
+
+def shown(path: Path, changes: Mapping[str, Any], study: Path | None) -> Shown:
+    """Section, findings and summary of the scene in a file for the browser."""
+    scene, inputs = read_given(path, changes)
+    found = check(scene)
+    figure = draw(found, {} if study is None else places_of(study, scene))
+    text = "\n".join([*told_lines(found.findings), "", aligned(rows(found))])
+    return Shown(svg(lambda file: figure.savefig(file, format="svg")), text, [*inputs, *([] if study is None else [str(study)])])
 
 
 def check(scene: Scene) -> Check:

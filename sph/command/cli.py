@@ -172,7 +172,7 @@ def info(scene: SceneFile, set_: Settings = None) -> Told:
 
 
 @command(
-    "Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --json",
+    "Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --watch  |  sph check slope.yaml --json",
     "placing the particles; with --stability, testing whether it stands by trial runs",
 )
 def check(
@@ -189,12 +189,15 @@ def check(
             help="also test whether the slope stands without shaking, and find its factor of safety and yield acceleration; takes minutes",
         ),
     ] = False,
+    watching: Annotated[
+        bool, typer.Option("--watch", help="show section and findings in the browser, and again whenever the scene or its files are saved")
+    ] = False,
     as_json: AsJson = False,
 ) -> Told:
     """Check a scene before it is run: a table, a drawing, and findings on what may spoil its results."""
     from sph.command.check import answer
 
-    return answer(scene, parse_settings(set_), plot, study, static, as_json)
+    return answer(scene, parse_settings(set_), plot, study, static, as_json, watching)
 
 
 @command("Examples:  sph plot slide.nc  |  sph plot slide.nc --field speed --time 6", "reading the trajectory and drawing it")
