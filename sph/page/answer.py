@@ -21,6 +21,7 @@ from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, re
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.places import ARRIVAL, DEPTH, PASSED, column_of, places_in
 from sph.measures.sides import BACK
+from sph.page.alternatives import compared
 from sph.page.tables import AT_LEAST, MAX_VALUES, NOTHING, Table, metres
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
@@ -90,7 +91,7 @@ def answer(
     return Answer(
         _raised(lead(table, rows, why)),
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
-        [levels(table, dimensions, probe, why), *widths(table)],
+        [*compared(table, dimensions, probe), levels(table, dimensions, probe, why), *widths(table)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows))),
         expected_sentence(scene) if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1 else "differs, see all runs",

@@ -46,6 +46,8 @@ SHORT_NAMES = {
 """The dimensions with short names, by these."""
 AXES = tuple(each.axis for each in SHORT_NAMES.values())
 """The same in a study's tables."""
+ALTERNATIVE, BASE = "alternative", "base"
+"""Dimension of a study with alternatives, and its value for the scene as it is."""
 CASE = "case"
 """Dimension of a study that is a list of runs, and the column of their names."""
 NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
@@ -185,6 +187,8 @@ def check_names(where: str, names: Iterable[str]) -> None:
     keys: dict[str, str] = {}
     for name in names:
         key = scene_key(name)
+        if name == ALTERNATIVE:
+            continue
         if not any(_matches(key, known) for known in scene_keys()):
             raise ValueError(f"{where}.{name}: there is no such key in a scene{nearest(key, [*SHORT_NAMES, *scene_keys()])}")
         if key in keys:
@@ -257,6 +261,8 @@ def named(name: str) -> Dimension:
 
 def dimension(name: str, labels: Iterable[str], scene: Scene) -> Dimension:
     """A dimension with the unit and the meaning that the scene's key is declared with, from a scene in which it is set."""
+    if name == ALTERNATIVE:
+        return Dimension(name, "-", "variant of the scene, by its name in the study", words=True)
     at: Any = scene
     unit, text = "-", ""
     for part in scene_key(name).split("."):

@@ -19,7 +19,7 @@ from sph.measures.places import check_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, check_unit, written_amplitude
 from sph.storage.files import whole
-from sph.study.dimensions import Dimension, dimension, title_of, value_of
+from sph.study.dimensions import ALTERNATIVE, Dimension, dimension, title_of, value_of
 from sph.study.runs import YIELD, BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
@@ -37,7 +37,7 @@ class Plan:
     ) -> None:
         self.study, self.origin, self._subfolder = study, origin, subfolder
         self._scene_file = base
-        self._base = BaseScene(merge(merge(base, study.fidelities[study.fidelity]), overrides or {}))
+        self._base = BaseScene(merge(merge(base, study.fidelities[study.fidelity]), overrides or {}), study.alternatives)
         self._standing: dict[tuple[tuple[str, str], ...], bool] = {}
 
     @property
@@ -56,7 +56,11 @@ class Plan:
 
     def over(self, grid: Mapping[str, Sequence[str]]) -> Plan:
         """The same scenes as a grid over other dimensions; ValueError where its runs would have no names by their values."""
-        kept = self.study.model_dump(include={"study", "scene", "fidelity", "fidelities", "metrics", "experiments", "yield_acceleration"})
+        kept = self.study.model_dump(
+            include={"study", "scene", "fidelity", "fidelities", "metrics", "experiments", "yield_acceleration", "alternatives"}
+        )
+        if ALTERNATIVE not in grid:
+            kept.pop("alternatives")
         study = Study(**kept, grid={name: tuple(values) for name, values in grid.items()})
         if study.numbered:
             raise ValueError(

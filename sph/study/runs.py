@@ -12,16 +12,17 @@ search for the yield acceleration, of the mean soil, unless each is to be search
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from enum import StrEnum
 from typing import Any, Literal, NamedTuple
 
-from sph.scene.configuration import dotted, merge
+from sph.scene.configuration import dotted, flat, merge
+from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
 from sph.scene.uncertain import at_mean
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.solver.run import Until
-from sph.study.dimensions import point_name, scene_key, value_of
+from sph.study.dimensions import ALTERNATIVE, BASE, point_name, scene_key, value_of
 
 YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
 SLOPE_LIMITS = (YIELD, SAFETY)
@@ -54,15 +55,27 @@ DRAW = re.compile(r"uncertain\.(?!variables\.[^.]+\.mean$)")
 
 
 class BaseScene:
-    """A scene, as a mapping, over which points are laid.  The scene at a point is built once, of the first ``MAX_KEPT`` points."""
+    """A scene, as a mapping, and its alternatives by name, over which points are laid.  The scene at a point is built once, of the first
+    ``MAX_KEPT`` points."""
 
-    def __init__(self, keys: Mapping[str, Any]) -> None:
-        self.keys = keys
+    def __init__(self, keys: Mapping[str, Any], alternatives: Mapping[str, Mapping[str, Any]] | None = None) -> None:
+        self.keys, self._alternatives = keys, {BASE: {}, **(alternatives or {})}
         self._built: dict[frozenset[tuple[str, str]], Scene] = {}
 
     def at(self, point: Mapping[str, str]) -> dict[str, Any]:
-        """The scene with values of dimensions set, as a mapping."""
-        return merge(self.keys, dotted({scene_key(name): value_of(value) for name, value in point.items()}))
+        """The scene with values of dimensions set, as a mapping; ValueError for an alternative that it has not."""
+        own = {scene_key(name): value_of(value) for name, value in point.items() if name != ALTERNATIVE}
+        return merge(merge(self.keys, self._alternative(point)), dotted(own))
+
+    def acts(self, name: str, point: Mapping[str, str], idle: Collection[str]) -> bool:
+        """Whether a dimension of a point has an effect where some keys and sections have none."""
+        keys = flat(self._alternative(point)) if name == ALTERNATIVE else [scene_key(name)]
+        return not all(is_among(key, idle) for key in keys)
+
+    def _alternative(self, point: Mapping[str, str]) -> Mapping[str, Any]:
+        name = point.get(ALTERNATIVE, BASE)
+        check_known(ALTERNATIVE, [name], self._alternatives)
+        return self._alternatives[name]
 
     def built(self, point: Mapping[str, str], origin: str) -> Scene:
         """The validated scene with these set; ValueError, whose lines begin with the origin, where it is refused."""
@@ -185,7 +198,7 @@ class SharedRuns:
 
     def _acting(self, kind: Kind, point: Mapping[str, str]) -> Mapping[str, str]:
         """The dimensions of a point that act in a stage; all of them where the scene with these alone is refused."""
-        acting = {name: value for name, value in point.items() if not is_among(scene_key(name), IDLE[kind])}
+        acting = {name: value for name, value in point.items() if self._pattern.base.acts(name, point, IDLE[kind])}
         return acting if len(acting) == len(point) or self._stands(acting) else point
 
     @property

@@ -19,7 +19,22 @@ from pydantic import BeforeValidator, Field, model_validator
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, key, validated
 from sph.scene.names import check_known
-from sph.study.dimensions import CASE, Value, Values, as_written, check_names, in_order, in_si, is_number, point_name, value_of
+from sph.scene.scheme import has_key
+from sph.study.dimensions import (
+    ALTERNATIVE,
+    BASE,
+    CASE,
+    Value,
+    Values,
+    as_written,
+    check_names,
+    in_order,
+    in_si,
+    is_number,
+    point_name,
+    scene_key,
+    value_of,
+)
 from sph.study.sampling import KINDS, MAX_RUNS, Sample
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
@@ -80,6 +95,12 @@ class Study(Section):
         default=None,
     )
     sample: Sample | None = key("instead of a grid: runs that fill ranges of the dimensions", default=None)
+    alternatives: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$")], dict[str, Any]] = key(
+        f"scene keys of each alternative, by name: every run is made for the scene as it is ({BASE}) and for each of them, unless the grid "
+        f"has a dimension {ALTERNATIVE} of its own; files as seen from the working folder",
+        default={},
+        max_length=20,
+    )
     fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key(
         "scene keys that each fidelity sets, by name", default={OWN: {}}, min_length=1
     )
@@ -136,6 +157,19 @@ class Study(Section):
         return self
 
     @model_validator(mode="after")
+    def _alternatives_apart(self) -> Study:
+        taken = [name for name in self.alternatives if name in (BASE, "null")]
+        if taken:
+            raise ValueError(f"alternatives.{taken[0]}: is the name of the scene as it is, or of nothing; choose another")
+        for name, keys in self.alternatives.items():
+            both = [each for each in self.names if each != ALTERNATIVE and has_key(keys, scene_key(each))]
+            if both:
+                raise ValueError(
+                    f"alternatives.{name}: {scene_key(both[0])}: is a dimension of the runs, which would replace it; leave out one"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _one_spacing_a_fidelity(self) -> Study:
         if self.second_fidelity not in (None, self.fidelity) and "numerics.spacing" in self.names:
             raise ValueError(
@@ -147,7 +181,8 @@ class Study(Section):
     @functools.cached_property
     def names(self) -> list[str]:
         """The dimensions, in the order of file names and tables."""
-        return in_order(self.grid or (self.sample.ranges if self.sample else self.cases[0] if self.cases else ()))
+        own = in_order(self.grid or (self.sample.ranges if self.sample else self.cases[0] if self.cases else ()))
+        return own if ALTERNATIVE in own or not self.alternatives else [*own, ALTERNATIVE]
 
     def is_grid_over(self, names: Sequence[str]) -> bool:
         """Whether the study is a grid over exactly these dimensions."""
@@ -167,11 +202,15 @@ class Study(Section):
         """Values of each dimension of a grid, numbers increasing and words as written; of a list, those of all runs in their order."""
         if self.grid is None:
             points = self.sample.points() if self.sample else self.cases or ()
+            if self.alternatives and points and ALTERNATIVE not in points[0]:
+                points = [{**point, ALTERNATIVE: name} for point in points for name in self._alternatives]
             return {name: tuple(point[name] for point in points) for name in self.names}
-        return {
-            name: tuple(sorted(self.grid[name], key=float) if all(map(is_number, self.grid[name])) else self.grid[name])
-            for name in self.names
-        }
+        grid = {ALTERNATIVE: self._alternatives, **self.grid}
+        return {name: tuple(sorted(grid[name], key=float) if all(map(is_number, grid[name])) else grid[name]) for name in self.names}
+
+    @property
+    def _alternatives(self) -> tuple[str, ...]:
+        return (BASE, *self.alternatives)
 
     @functools.cached_property
     def numbered(self) -> bool:

@@ -1,0 +1,114 @@
+"""The alternatives of a study beside the scene as it is: a row each, near the top of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from sph.checks.after_run import is_lower_bound
+from sph.measures.metrics import CLASSES
+from sph.measures.places import PASSED, column_of, places_in
+from sph.page.tables import AT_LEAST, NOTHING, Table, metres
+from sph.scene.units import in_both
+from sph.study.dimensions import ALTERNATIVE, BASE, Dimension, title_of
+
+AMPLITUDE = "amplitude"
+
+
+def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> list[Table]:
+    """What happens in each alternative, and what it saves of the displacement; no table of a study without alternatives.
+
+    An alternative is compared with the scene as it is in the same runs, and what it saves is told of the run in which the scene as it is
+    moves farthest.
+    """
+    if ALTERNATIVE not in table or BASE not in set(table[ALTERNATIVE]):
+        return []
+    others = [dimension for dimension in dimensions if dimension.name != ALTERNATIVE]
+    known = table[table["diverged"] == 0]
+    groups = {str(name): runs for name, runs in known.groupby(ALTERNATIVE, sort=False)}
+    if BASE not in groups:
+        return []
+    base = groups[BASE]
+    worst: dict[Any, Any] = max(base.to_dict("records"), key=lambda run: run["displacement_magnitude"])
+    at = {dimension.name: worst[dimension.name] for dimension in others}
+    places = places_in(table.columns)
+    rows = []
+    for name in dict.fromkeys(map(str, table[ALTERNATIVE])):
+        runs = groups.get(name)
+        if runs is None:
+            rows.append((name, "diverged", *[NOTHING] * (6 + len(places))))
+            continue
+        own = next((run for run in runs.to_dict("records") if all(run[key] == value for key, value in at.items())), None)
+        rows.append(
+            (
+                name,
+                max(runs["collapse_class"], key=CLASSES.index),
+                f"{int((runs['collapse_class'] != CLASSES[0]).sum())} of {len(runs)}",
+                _fails_from(runs),
+                _acceleration(runs),
+                _length(own, "displacement_magnitude"),
+                _length(own, "runout"),
+                NOTHING if name == BASE or own is None else saved(worst, own),
+                *(_reached(runs, column_of(place, PASSED)) for place in places),
+            )
+        )
+    head = (
+        ALTERNATIVE,
+        "worst class",
+        "runs that fail",
+        "fails from (of those run)",
+        "yield acceleration",
+        f"displacement of {probe} (m)",
+        "run-out (m)",
+        "saves of the displacement",
+        *(f"runs that reach {place}" for place in places),
+    )
+    said = title_of(others, {key: str(value) for key, value in at.items()})
+    note = f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest." if others else ""
+    return [Table("Alternatives, beside the scene as it is (base)", head, rows, note)]
+
+
+def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
+    """How much less an alternative moves than the scene as it is, in m and percent; where one of them is a lower bound, what is known."""
+    less = float(base["displacement_magnitude"] - own["displacement_magnitude"])
+    share = 100.0 * less / float(base["displacement_magnitude"]) if base["displacement_magnitude"] > 0.0 else 0.0
+    words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + " more movement" * (less < 0.0)
+    bounds = _goes_on(base), _goes_on(own)
+    if all(bounds):
+        return "unknown: both may go on"
+    if bounds[1]:
+        return f"at most {words}" if less >= 0.0 else f"{AT_LEAST}{words}"
+    if bounds[0]:
+        return f"{AT_LEAST}{words}" if less >= 0.0 else f"at most {words}"
+    return words
+
+
+def _goes_on(run: Mapping[Any, Any]) -> bool:
+    """Whether displacement and run-out of a run are lower bounds, also since it still moves at its end."""
+    return is_lower_bound(run) or bool(run["still_moving"] > 0)
+
+
+def _length(run: Mapping[Any, Any] | None, name: str) -> str:
+    return NOTHING if run is None else AT_LEAST * _goes_on(run) + metres(float(run[name]))
+
+
+def _reached(runs: pd.DataFrame, passed: str) -> str:
+    """In how many of the runs debris reaches a place; at least, where it goes on in one that has not."""
+    known = runs[runs[passed].notna()].to_dict("records")
+    there = sum(run[passed] >= 0.0 for run in known)
+    return f"{AT_LEAST * any(_goes_on(run) for run in known if run[passed] < 0.0)}{there} of {len(known)}"
+
+
+def _fails_from(runs: pd.DataFrame) -> str:
+    """The smallest amplitude of a run that fails."""
+    if AMPLITUDE not in runs:
+        return NOTHING
+    failing = runs.loc[runs["collapse_class"] != CLASSES[0], AMPLITUDE].astype(float)
+    return in_both(failing.min()) if len(failing) else f"not up to {in_both(runs[AMPLITUDE].astype(float).max())}"
+
+
+def _acceleration(runs: pd.DataFrame) -> str:
+    found = sorted(set(runs["yield_acceleration"].dropna()))
+    return " to ".join(in_both(value) for value in dict.fromkeys((found[0], found[-1]))) if found else NOTHING

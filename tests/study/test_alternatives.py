@@ -1,0 +1,154 @@
+"""Alternatives of a study: the runs and stages that they need, and the table beside the scene as it is."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+from small_scenes import SLOPE
+
+from sph.experiments.registry import EXPERIMENTS, load_study
+from sph.page.alternatives import compared
+from sph.scene.schema import make_scene
+from sph.study.dimensions import Dimension
+from sph.study.plan import Plan
+
+ALTERNATIVES: dict[str, Any] = {
+    "drained": {"water": None},
+    "head_35": {"water": {"level": 20.0}},
+    "buttress": {"layers": {"fill": {"region": {"kind": "below", "file": "fill.csv"}, "soil": {"cohesion": 300.0}}}},
+    "weaker": {"coupling": {"S_R": 0.1}},
+}
+KEYS = {"study": "alternatives", "scene": "slope.yaml", "fidelity": "own", "fidelities": {"own": {}}, "alternatives": ALTERNATIVES}
+
+
+@pytest.fixture
+def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    monkeypatch.chdir(tmp_path)
+    Path("slope.yaml").write_text(yaml.safe_dump(SLOPE | {"water": {"pressure": "by_place", "level": 15.0}}))
+    Path("fill.csv").write_text("x (m),level (m)\n0,8\n120,9\n")
+    return KEYS | {"grid": {"amplitude": ["4.0", "8.0"]}}
+
+
+def test_every_run_is_made_for_each_alternative(study: dict[str, Any]) -> None:
+    """With their names; keys, files and water lines lie over the scene, and stages are shared where nothing differs before them."""
+    plan = load_study(study)
+    assert plan.study.names == ["amplitude", "alternative"]
+    assert [*plan.study.runs][:5] == [f"amplitude-4.0_alternative-{name}" for name in ("base", *ALTERNATIVES)]
+    assert len(plan.study.runs) == 10
+    scenes = {name: plan.built(amplitude="8.0", alternative=name) for name in ("base", *ALTERNATIVES)}
+    assert scenes["base"] == plan.built(amplitude="8.0") == make_scene(plan.scene(amplitude="8.0"))
+    assert scenes["drained"].water is None and scenes["head_35"].water.level == 20.0
+    assert scenes["buttress"].layers["fill"].region.points == ((0.0, 8.0), (120.0, 9.0))
+    gravities = {stage.id for stage in plan.shared.gravities}
+    assert gravities == {"gravity", *(f"gravity_alternative-{name}" for name in ("drained", "head_35", "buttress"))}
+    assert len(plan.shared.pre_failures) == 8, "of two amplitudes; weaker soil after failure shares that of the scene as it is"
+    assert len({search.file for search in plan.searches.values()}) == 4, "a search for each slope"
+    assert [found.variable(False).dtype for found in plan.dimensions] == ["f8", "str"]
+
+
+def test_a_list_of_runs_has_alternatives_too(study: dict[str, Any]) -> None:
+    plan = load_study(
+        {name: value for name, value in study.items() if name != "grid"} | {"cases": [{"amplitude": "4.0"}, {"amplitude": "8.0"}]}
+    )
+    assert len(plan.study.runs) == 10 and {point["alternative"] for point in plan.study.runs.values()} == {"base", *ALTERNATIVES}
+
+
+def test_a_grid_may_choose_some(study: dict[str, Any]) -> None:
+    plan: Plan = load_study(study | {"grid": {"amplitude": ["4.0"], "alternative": ["base", "drained"]}})
+    assert [*plan.study.runs] == ["amplitude-4.0_alternative-base", "amplitude-4.0_alternative-drained"]
+    over = plan.over({"amplitude": ["1.0", "2.0"]})
+    assert [*over.study.runs] == ["amplitude-1.0", "amplitude-2.0"], "a search of the scene as it is"
+    chosen = plan.over({"amplitude": ["1.0"], "alternative": ["drained"]})
+    assert chosen.built(**next(iter(chosen.study.runs.values()))).water is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"alternatives": {"base": {}}}, "alternatives.base: is the name of the scene as it is"),
+        ({"alternatives": {"strong": {"motion": {"amplitude": 9.0}}}}, "motion.amplitude: is a dimension of the runs"),
+        ({"alternatives": {"wet": {"watr": {}}}}, "alternative = wet.*no such key"),
+        ({"alternatives": {"two words": {}}}, "alternatives.two words"),
+        ({"grid": {"amplitude": ["4.0"], "alternative": ["dry"]}}, "alternative: 'dry' is not one of base, drained"),
+    ],
+)
+def test_what_cannot_be_an_alternative_is_refused(study: dict[str, Any], changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        load_study(study | changes)
+
+
+def table_of(**columns: list[Any]) -> pd.DataFrame:
+    """Six runs: two amplitudes of the scene as it is, of a drained slope and of a buttress."""
+    table = pd.DataFrame(
+        {
+            "amplitude": ["2.0", "4.0"] * 3,
+            "alternative": ["base", "base", "drained", "drained", "buttress", "buttress"],
+            "collapse_class": ["minor", "collapse", "stable", "minor", "stable", "stable"],
+            "displacement_magnitude": [0.5, 10.0, 0.0, 4.0, 0.0, 0.1],
+            "runout": [0.0, 12.0, 0.0, 3.0, 0.0, 0.0],
+            "yield_acceleration": [1.0, 1.0, 2.0, 2.0, 3.0, 3.0],
+            "house_passed": [-12.0, 1.0, -12.0, -9.0, -12.0, -12.0],
+            "house_depth": 0.0,
+            "house_arrival": math.nan,
+            "still_moving": 0,
+            "diverged": 0,
+            "reached_side": "",
+            "findings": "",
+        }
+    )
+    return table.assign(**columns)
+
+
+DIMENSIONS = [Dimension("amplitude", "m/s2", "", False), Dimension("alternative", "-", "", True)]
+
+
+def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
+    (found,) = compared(table_of(), DIMENSIONS, "A")
+    assert [row[:4] for row in found.rows] == [
+        ("base", "collapse", "2 of 2", "2 m/s2 (0.204 g)"),
+        ("drained", "minor", "1 of 2", "4 m/s2 (0.408 g)"),
+        ("buttress", "stable", "0 of 2", "not up to 4 m/s2 (0.408 g)"),
+    ]
+    assert [row[5:] for row in found.rows] == [
+        ("10.0", "12.0", "–", "1 of 2"),
+        ("4.00", "3.00", "6.00 m (60 %)", "0 of 2"),
+        ("0.100", "0.000", "9.90 m (99 %)", "0 of 2"),
+    ]
+    assert "amplitude 4.0 m/s²" in found.note
+    assert compared(table_of().drop(columns="alternative"), DIMENSIONS[:1], "A") == []
+
+
+def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
+    """Of runs that still move, reach an end of the box or are braked; of a run that diverged nothing is said."""
+    for moving, wanted in (
+        ([0, 1, 0, 0, 0, 0], "≥ 6.00 m (60 %)"),
+        ([0, 0, 0, 1, 0, 0], "at most 6.00 m (60 %)"),
+        ([0, 1, 0, 1, 0, 0], "unknown: both may go on"),
+    ):
+        (found,) = compared(table_of(still_moving=moving), DIMENSIONS, "A")
+        assert found.rows[1][7] == wanted
+        assert found.rows[1][8] == ("≥ 0 of 2" if moving[3] else "0 of 2"), "debris that still moves may reach it"
+    (found,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.0, 12.0, 0.0, 0.1]), DIMENSIONS, "A")
+    assert found.rows[1][7] == "2.00 m (20 %) more movement"
+    (found,) = compared(table_of(diverged=[0, 0, 1, 1, 0, 1]), DIMENSIONS, "A")
+    assert found.rows[1][1] == "diverged" and found.rows[2][5:8] == ("–", "–", "–")
+
+
+def test_a_trigger_search_may_be_made_for_alternatives(study: dict[str, Any]) -> None:
+    """Of those that it names; of the scene as it is where it names none."""
+    span = {"dimension": "amplitude", "lowest": 1.0, "highest": 9.0, "cells": 2}
+    search = {"cases": {"all": {}}, "classes": ["collapse"], "intensity": span, "tolerance": 1.0}
+    levels = {}
+    for at in ({}, {"alternative": ["base", "drained"]}):
+        Path("trigger.yaml").write_text(yaml.safe_dump(search | {"at": at}))
+        design = EXPERIMENTS["trigger"].load("trigger.yaml", load_study(study), [Path()], True)
+        fixed = [lattice.fixed for lattice in design.lattices("trigger")]
+        runs = design.runs_at([("all", {"amplitude": "3", **each}) for each in fixed])
+        for each, run in zip(fixed, runs, strict=True):
+            levels[each.get("alternative")] = None if run.built.water is None else run.built.water.level
+    assert levels == {None: 15.0, "base": 15.0, "drained": None}
