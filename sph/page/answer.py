@@ -323,7 +323,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "") -> tuple[str, str]:
     words += [f"its ground moves by up to {metres(of[GROUND].max())} m"] * bool(of[GROUND].max() >= min(AREA_THRESHOLDS.values()))
     gap = -float(of[PASSED][short].max())
     if not there.any() and gap > 0.0:
-        if moving.any():
+        if (table["still_moving"][short] > 0).any():
             how.append(f"the debris is at least {metres(gap)} m short of it then; run them for longer")
         else:
             how.append(f"{'braked, ' * bool(braked.any())}the debris stops at least {metres(gap)} m short of it")

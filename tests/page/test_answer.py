@@ -73,6 +73,8 @@ def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> Non
     assert house[1] == "not yet in 6 runs, whose debris still moves at the end" and "stops" not in house[2]
     _, house = at_places(RUNS.assign(still_moving=[0, 0, 0, 1, 1, 1], findings=["layer-held"] * 2 + [""] * 4), "why")
     assert house[1].startswith("not reached in 1 run; not yet in 3 runs") and "stops" not in house[2]
+    _, house = at_places(RUNS.assign(still_moving=1, findings="layer-held"), "why")
+    assert house[1].startswith("unknown in 6 runs") and "stops" not in house[2], "braked soil moves, too"
 
 
 def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None:
