@@ -301,9 +301,10 @@ class Ensemble:
 
     def _release(self) -> None:
         """Give the memory of the card back."""
-        self.run_pack = self.fixed_pack = self.list_pack = None
+        held, self.run_pack = self.run_pack is not None, None
+        self.fixed_pack = self.list_pack = None
         self.room = 0
-        if not simulated():
+        if held and not simulated():
             self.cuda.current_context().deallocations.clear()
 
 
