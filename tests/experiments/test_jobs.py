@@ -26,7 +26,10 @@ MORE: dict[str, Any] = {
     "sensitivity": {"back_analysis": {"observed": {"runout": {"value": 20.0, "error": 1.0}}}},
 }
 """What experiments may be asked for, over their shipped configurations."""
-AT = {"folder": "results/paper/draft", "name": "own", "search": "maps", "round": "1", "design": "tornado"}
+AT = {
+    "folder": "results/paper/draft", "name": "own", "search": "maps", "round": "1", "design": "tornado",
+    "table": "maps", "quantity": "class",
+}  # fmt: skip
 """A value of every wildcard."""
 
 

@@ -313,16 +313,20 @@ rule map_figure:
     input:
         points="{folder}/trigger/maps.csv",
     output:
-        shown("{folder}/trigger/figures/map-{name}.png", "Trigger", "figure map-{name}"),
-        "{folder}/trigger/figures/map-{name}.pdf",
+        shown(
+            "{folder}/trigger/figures/map-{quantity}.png",
+            "Trigger",
+            "figure map-{quantity}",
+        ),
+        "{folder}/trigger/figures/map-{quantity}.pdf",
     log:
-        "{folder}/trigger/logs/map_figure_{name}.log",
+        "{folder}/trigger/logs/map_figure_{quantity}.log",
     wildcard_constraints:
-        name="|".join(["class", *MAPPED]),
+        quantity="|".join(["class", *MAPPED]),
     params:
         **made_by(
             searches.draw_map,
-            lambda wildcards: {"name": wildcards.name, **mapped(wildcards)},
+            lambda wildcards: {"name": wildcards.quantity, **mapped(wildcards)},
             draws=True,
         ),
     script:
