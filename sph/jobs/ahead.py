@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import shutil
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -44,19 +45,23 @@ class Task(NamedTuple):
         return beside(Path(self.file), "made") / f"{self.digest}.nc"
 
 
-def leave(task: Task, file: Path) -> None:
-    """Leave a finished file of a run to its own job, with its log: Snakemake deletes the log of a job that begins."""
-    shutil.copyfile(task.log, task.made.with_suffix(".log"))
-    os.replace(file, task.made)
+def keep_log(task: Task) -> None:
+    """Give the log a second name beside what is made: Snakemake deletes the first when the job of the run begins."""
+    kept = task.made.with_suffix(".log")
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    kept.unlink(missing_ok=True)
+    with suppress(OSError):  # a disk without hard links, or no log could be written
+        os.link(task.log, kept)
 
 
 def take_up(task: Task) -> bool:
-    """Put what is made of a run in its place; False where nothing is."""
+    """Put what is made of a run in its place, with its log; False where nothing is."""
     try:
         os.replace(task.made, task.file)
     except FileNotFoundError:
         return False
-    os.replace(task.made.with_suffix(".log"), task.log)
+    with suppress(OSError):
+        os.replace(task.made.with_suffix(".log"), task.log)
     shutil.rmtree(task.made.parent, ignore_errors=True)
     return True
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+import shutil
 from collections.abc import Sequence
 from contextlib import redirect_stderr, suppress
 from pathlib import Path
@@ -11,7 +13,7 @@ from typing import TextIO
 from sph.checks.finding import codes
 from sph.checks.messages import line
 from sph.checks.scene import findings
-from sph.jobs.ahead import Task, leave, take_up
+from sph.jobs.ahead import Task, keep_log, take_up
 from sph.jobs.log import job_log
 from sph.jobs.progress import reporter
 from sph.solver.checkpoint import run_to_file
@@ -30,7 +32,7 @@ def work(own: Task, others: Sequence[Task], threads: int) -> None:
     with alone(Path(own.file), "job"):
         make(own, threads)
     for other, then in zip(others, before, strict=True):
-        with suppress(_AtWorkError, SystemExit), redirect_stderr(io.StringIO()), alone(Path(other.file), "job", _leave):
+        with suppress(_AtWorkError, OSError, SystemExit), redirect_stderr(io.StringIO()), alone(Path(other.file), "job", _leave):
             if _written(other) == then:  # else its own job has been at it
                 make(other, threads)
     take_up(own)
@@ -59,8 +61,13 @@ def make(task: Task, threads: int) -> None:
             # From the trials of a search that was killed; at two spacings if it extrapolates.
             search_to_file(planned.build(), task.by, task.file, lambda trial: print(*trial, file=log, flush=True), task.extrapolates)
             return
-        simulate(planned, task, finished, log, threads)
-    leave(task, finished)
+        keep_log(task)
+        try:
+            simulate(planned, task, finished, log, threads)
+        except Exception:
+            shutil.rmtree(finished.parent)
+            raise
+    os.replace(finished, task.made)
 
 
 def simulate(planned: Planned, task: Task, finished: Path, log: TextIO, threads: int) -> None:
