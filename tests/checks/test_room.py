@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -46,8 +47,12 @@ def low(**changes: Any) -> Scene:
 
 
 @functools.cache
+def ran(apron: float, ratio: float) -> xr.Dataset:
+    return run(low(**{"geometry.apron_length": apron, "coupling.S_R": ratio})).trajectory
+
+
 def measured(apron: float, ratio: float) -> dict[str, Value]:
-    return measure(run(low(**{"geometry.apron_length": apron, "coupling.S_R": ratio})).trajectory)
+    return measure(ran(apron, ratio))
 
 
 def room(scene: Scene) -> list[tuple[str, str]]:
@@ -101,8 +106,7 @@ def test_debris_that_ran_far_and_is_thin_is_told(runout: float, deposit: float, 
 
 
 def test_a_run_and_its_metrics_tell_the_same_of_thin_debris() -> None:
-    scene = low(**{"coupling.S_R": 0.3, "geometry.apron_length": 60.0})
-    trajectory = run(scene).trajectory
+    scene, trajectory = low(**{"coupling.S_R": 0.3, "geometry.apron_length": 60.0}), ran(60.0, 0.3)
     values = measure(trajectory)
     assert thin_debris(scene, float(values["runout"]), float(values["deposit_thickness"])), "weak soil on a long apron runs out thin"
     assert found_after(Run(trajectory)) == after_run(scene, values)

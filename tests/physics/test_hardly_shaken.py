@@ -69,7 +69,7 @@ def slope(seed: int) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("seed", "rows"), [(0, 20), (1, 8), *(pytest.param(*case, marks=pytest.mark.long) for case in ((0, 8), (3, 20), (5, 8), (10, 20)))]
+    ("seed", "rows"), [(1, 8), *(pytest.param(*case, marks=pytest.mark.long) for case in ((0, 8), (0, 20), (3, 20), (5, 8), (10, 20)))]
 )
 def test_a_slope_that_stands_well_and_is_hardly_shaken_does_not_move(seed: int, rows: int) -> None:
     # A's permanent displacement, a millimetre at most, at every spacing.
@@ -82,10 +82,8 @@ def test_a_slope_that_stands_well_and_is_hardly_shaken_does_not_move(seed: int, 
     assert found["displacement_magnitude"] < 1e-3
 
 
-@pytest.mark.parametrize(
-    ("seed", "stiffer", "rows"),
-    [(0, 1.0, 8), *(pytest.param(*case, marks=pytest.mark.long) for case in ((0, 1.0, 12), (0, 0.1, 8), (0, 100.0, 8), (1, 10.0, 8)))],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("seed", "stiffer", "rows"), [(0, 1.0, 8), (0, 1.0, 12), (0, 0.1, 8), (0, 100.0, 8), (1, 10.0, 8)])
 def test_such_a_slope_that_the_clock_brings_down_has_failed_unshaken(seed: int, stiffer: float, rows: int) -> None:
     """With strength that is lost by time it collapses, whatever its stiffness and the spacing; not by the shaking."""
     data = slope(seed)

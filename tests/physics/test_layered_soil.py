@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from comparison import momenta, same_bits
+from small_scenes import NOTHING
 
 from cases.case import Result
 from cases.columns import transfer
@@ -82,29 +83,32 @@ def test_a_wave_is_reflected_by_the_ratio_of_impedances() -> None:
     assert transmitted / 0.01 == pytest.approx(2 * z_below / (z_below + z_above), abs=0.04)
 
 
+def resting(**changes: Any) -> Scene:
+    """Layers between periodic sides on a base that holds them, with the terms of ``test_weak_on_strong.py``."""
+    data = {
+        "duration": 16.0,
+        "walls": {"base": "no_slip", "sides": "periodic"},
+        "soil": {"poisson_ratio": 0.3, "cohesion": 1e6, "friction_angle": 0.0, "viscosity": 2.0},
+        "coupling": {"S_R": 0.5, "gamma": 0.0},
+        **NOTHING,
+        "damping": {"ratio": 0.05, "frequencies": [1.0, 6.0]},
+    }
+    return make_scene(merge(data, changes))
+
+
 def two_layers(spacing: float) -> Scene:
     """20 m of soft soil over 20 m of stiffer soil on a rigid base, shaken by a pulse."""
-    return make_scene(
-        {
-            "scheme": "paper",
-            "name": "two_layers",
-            "duration": 16.0,
-            "geometry": {"shape": "block", "width": 6.0 * spacing, "height": 40.0},
-            "walls": {"base": "no_slip", "sides": "periodic", "layers": 3},
-            "soil": {"density": 2000.0, "youngs_modulus": 8e5, "poisson_ratio": 0.3, "cohesion": 1e6},
-            "layers": {
-                "soft": {
-                    "region": {"kind": "elevation", "bottom": 20.0},
-                    "soil": {"density": 1800.0, "youngs_modulus": 1e5, "poisson_ratio": 0.3},
-                }
-            },
-            "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
-            "motion": {"kind": "ricker", "amplitude": 1.0, "frequency": 3.0, "peak": 0.6},
-            "damping": {"ratio": 0.05, "frequencies": [1.0, 6.0]},
-            "numerics": {"spacing": spacing, "smoothing_ratio": 1.3, "time_step": 5e-4, "reference": "initial"} | BARE,
-            "probes": {"surface": [3.0 * spacing, 40.0]},
-            "outputs": {"frame_interval": 4.0, "series_interval": 0.005},
-        }
+    soft = {"density": 1800.0, "youngs_modulus": 1e5, "cohesion": 5e5}
+    return resting(
+        name="two_layers",
+        geometry={"shape": "block", "width": 6.0 * spacing, "height": 40.0},
+        soil={"density": 2000.0, "youngs_modulus": 8e5},
+        layers={"soft": {"region": {"kind": "elevation", "bottom": 20.0}, "soil": soft}},
+        gravity={"acceleration": 1e-6, "ramp": 0.0, "duration": 0.01, "damping": 0.0},  # water asks for some
+        motion={"kind": "ricker", "amplitude": 1.0, "frequency": 3.0, "peak": 0.6},
+        numerics={"spacing": spacing},
+        probes={"surface": [3.0 * spacing, 40.0]},
+        outputs={"frame_interval": 4.0, "series_interval": 0.005},
     )
 
 
@@ -175,20 +179,20 @@ def test_momentum_and_energy_of_layers_that_are_stirred(free_block: Any) -> None
 
 
 def test_the_weight_of_layers() -> None:
-    column = {
-        "walls": {"base": "no_slip"},
-        "damping": {"ratio": 0.05, "frequencies": [1.0, 6.0]},
-        "geometry": {"width": 8.0, "height": 20.0},
-        "gravity": {"acceleration": 9.81, "ramp": 0.0, "duration": 0.5, "damping": 20.0, "initial_stress": "geostatic"},
-        "numerics": {"spacing": 1.0, "time_step": 2e-4, "reference": "initial"},
-        "probes": {"A": [4.0, 10.0]},
-        "duration": 0.5,
-    }
-    layers = {
-        "fill": {"region": {"kind": "depth", "bottom": 5.0}, "soil": HEAVY},
-        "base": {"region": {"kind": "elevation", "top": 8.0}, "soil": {"density": 2600.0, "youngs_modulus": 5e6}},
-    }
-    scene = bar(layers, **column)
+    scene = resting(
+        name="column",
+        duration=0.5,
+        geometry={"shape": "block", "width": 8.0, "height": 20.0},
+        soil=LIGHT,
+        layers={
+            "fill": {"region": {"kind": "depth", "bottom": 5.0}, "soil": HEAVY},
+            "base": {"region": {"kind": "elevation", "top": 8.0}, "soil": {"density": 2600.0, "youngs_modulus": 5e6, "cohesion": 5e5}},
+        },
+        gravity={"ramp": 0.0, "duration": 0.5, "damping": 20.0, "initial_stress": "geostatic"},
+        motion={"kind": "none"},
+        numerics={"spacing": 1.0},
+        probes={"A": [4.0, 10.0]},
+    )
     # Summed over parts of at most a quarter of a metre, of which one may straddle a boundary.
     exact = np.array([2250.0 * 4.5, 2250.0 * 5 + 1500.0 * 5, 2250.0 * 5 + 1500.0 * 7 + 2600.0 * 3.5])
     assert overburden(scene, np.full(3, 4.0), np.array([15.5, 10.0, 4.5])) == pytest.approx(exact, rel=0.005)

@@ -11,6 +11,8 @@ from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
 from sph.solver.simulation import Simulation
 
+pytestmark = pytest.mark.long
+
 WIDTH, DENSITY, RATE = 12.0, 1964.0, 1.0
 """Width and height (m), density (kg/m3) and angular velocity (1/s) of the block."""
 TURN = 1.6
@@ -76,7 +78,7 @@ def turn(stiffness: float, numerics: dict[str, Any]) -> Turned:
     return Turned(after[0] / momentum, after[1] / energy, stress / inertia, (float(ratio.min()), float(ratio.max())))
 
 
-@pytest.mark.parametrize("reference", ["initial", pytest.param("current", marks=pytest.mark.long)])
+@pytest.mark.parametrize("reference", ["initial", "current"])
 @pytest.mark.parametrize("stiffness", [20.0, 1675.0])
 def test_a_block_turns_as_a_rigid_body_with_corrected_gradients(stiffness: float, reference: str) -> None:
     # Its stress is that of its inertia: rho (omega a)^2 / 2 in the middle of a strip that turns steadily, and twice that here, since the
@@ -87,7 +89,6 @@ def test_a_block_turns_as_a_rigid_body_with_corrected_gradients(stiffness: float
     assert turned.radius == (pytest.approx(1.0, abs=0.005), pytest.approx(1.0, abs=0.005))
 
 
-@pytest.mark.long
 @pytest.mark.xfail(strict=True, reason="plain gradients take a free surface that turns for one that is sheared: docs/model/limits.md")
 def test_a_block_turns_as_a_rigid_body_with_plain_gradients() -> None:
     turned = turn(1675.0, {})

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
+from small_scenes import NOTHING
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
@@ -168,7 +169,10 @@ HEIGHT, PULL = 8.0, 1.03 * COHESION / DENSITY / 8.0
 
 @functools.cache
 def band(spacing: float) -> Band:
-    """The soil is pulled sideways by a force that grows slowly.  Stress is largest at the base, where a band of one row forms."""
+    """The soil is pulled sideways by a force that grows slowly.  Stress is largest at the base, where a band of one row forms.
+
+    Soil near the surface, which nothing loads to its strength, is stronger, so that the terms are those of ``test_weak_on_strong.py``.
+    """
     scene = make_scene(
         {
             "name": "band",
@@ -176,9 +180,10 @@ def band(spacing: float) -> Band:
             "geometry": {"shape": "block", "width": 8.0, "height": HEIGHT},
             "walls": {"base": "no_slip", "sides": "periodic"},
             "soil": SOIL,
+            "layers": {"top": {"region": {"kind": "elevation", "bottom": HEIGHT - 1.0}, "soil": {"cohesion": 2e-3 * COHESION}}},
             "coupling": {"S_R": RATIO, "softening": {"slip_at_peak": PEAK, "slip_at_residual": RESIDUAL, "width": WIDTH}},
             "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
-            "damping": None,
+            "damping": NOTHING["damping"],
             "motion": {"kind": "constant", "amplitude": -PULL, "start": 0.01, "ramp": 4.0},
             "numerics": {"spacing": spacing},
             "probes": {"A": [4.0, HEIGHT - 0.5 * spacing]},
@@ -265,7 +270,7 @@ def test_gamma_is_zero_beside_a_loss_by_slip_unless_it_is_written() -> None:
 
 
 def test_residual_strengths_are_those_written_or_the_ratio_of_those_at_the_peak() -> None:
-    soil, (material,) = band(1.0).scene.soil, band(1.0).scene.materials
+    soil, (material, _) = band(1.0).scene.soil, band(1.0).scene.materials
     assert material._replace(S_R=0.25).residual == (5.0, 0.0)
     written = soil.model_copy(update={"friction_angle": 30.0, "residual_cohesion": 1.0})
     assert material._replace(S_R=0.5, soil=written).residual == (1.0, 15.0)

@@ -130,6 +130,7 @@ def test_the_budget_of_a_wet_slide_closes() -> None:
     assert energy_error(Run(trajectory)) < CLOSED
 
 
+@pytest.mark.long
 def test_the_kernel_alone_brakes_it() -> None:
     """What ``numerics.interfaces: both`` does: less than three quarters of the acceleration with six rows."""
     found = acceleration(layer(6, 28.0, 0.0, 18.0, interfaces="both"))

@@ -58,7 +58,8 @@ def deceleration(water: dict[str, Any] | None) -> float:
     return float((speed[first] - speed[last]) / (ds["time"].values[last] - ds["time"].values[first]))
 
 
-@pytest.mark.parametrize("kind", [pytest.param(name, marks=() if name == "ratio by place" else pytest.mark.long) for name in WATER])
+@pytest.mark.long
+@pytest.mark.parametrize("kind", WATER)
 def test_failed_soil_slides_with_the_friction_of_effective_stress(kind: str) -> None:
     # Soil that does not dilate mobilises sin(phi) on the plane along which it is sheared (V8): 10 %, as there.
     assert deceleration(WATER[kind]) == pytest.approx(EFFECTIVE[kind] * G * math.sin(math.radians(FRICTION)), rel=0.10)

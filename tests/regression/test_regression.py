@@ -11,7 +11,7 @@ from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene
 
 CASES = load()
-OF_THEIR_OWN = ("literal_kernel", "free_slip", "wendland_corrected_no_repulsion", "capped")
+OF_THEIR_OWN = ("literal_kernel", "free_slip", "wendland_corrected_no_repulsion", "capped", "bare")
 """Cases whose combination of terms is compiled for them alone, and in one precision."""
 
 

@@ -125,6 +125,7 @@ def test_chunks_do_not_show(mixture: Mixture, size: int) -> None:
     assert internal_in_parts == pytest.approx(internal, abs=n * np.finfo(float).eps * size_of_work)
 
 
+@pytest.mark.uncompiled
 def test_the_solid_state_differs_after_failure_alone(free_block: SceneBuilder) -> None:
     # The same mixture with either solid state: what has not failed before the step is the same to the last bit.  A failed particle's
     # solid deviator is the elastic trial where it is elastic, and that brought to the surface where it is not.

@@ -51,8 +51,8 @@ def result(scene: dict[str, object], by: str) -> Result:
     return Result(built, xr.Dataset() if by == COMPUTATION else run_search(built, by).dataset())
 
 
-QUICK = ("V1", "V20")
-"""Cases of stress at rest, dry and wet, that are tried every time; waves are in tests/physics/test_waves.py."""
+QUICK = ("V11", "V14")
+"""Cases without runs, which are tried every time; tests/physics has columns at rest, dry and wet, and waves."""
 
 
 def marks(key: tuple[str, str]) -> list[pytest.MarkDecorator]:
