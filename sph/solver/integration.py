@@ -221,7 +221,7 @@ def advance(
     """
     failed = done = 0
     found = HOLD
-    soften_soil(terms.cyclic_pore_pressure, terms.layers, state, team)
+    soften_soil(terms.cyclic_pore_pressure, terms.layers, state, *own_rows(team, state.x.size))
     for s in range(step, step + n_steps):
         sums = team.sums[s % 2]  # those of one step are added up while other threads are already at the next
         if kicked and s == step:

@@ -17,6 +17,7 @@ from sph.solver.integration import advance
 from sph.solver.neighbours import Candidates
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.coupling import cauchy_stress, elastic_energy
+from sph.solver.physics.cyclic_pore_pressure import soften_soil
 from sph.solver.physics.interface import once_lost
 from sph.solver.physics.prescribed_motion import stopped
 from sph.solver.renewal import make_lists, renew_candidates
@@ -168,6 +169,8 @@ class Simulation:
 
     def elastic_energy(self) -> float:
         """Energy stored in the blended stress, J/m."""
+        if self.terms.cyclic_pore_pressure is not None:  # its table is new where the step or the run is
+            soften_soil(self.terms.cyclic_pore_pressure, self.terms.layers, self.state, 0, self.state.x.size)
         return float(elastic_energy(self.state, only(self.terms, "layers")))
 
     def cauchy_stress(self) -> np.ndarray:

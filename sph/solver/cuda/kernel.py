@@ -36,6 +36,7 @@ from sph.solver.integration import kick_soil, loads_of
 from sph.solver.neighbours import Candidates, Offsets, Pairs, Places, update_row
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
+from sph.solver.physics.cyclic_pore_pressure import soften_soil
 from sph.solver.physics.initial_arrangement import largest_changes, note_intact, place_of_pairs, start_pairs
 from sph.solver.physics.interface import weigh_soils
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
@@ -266,6 +267,7 @@ def advance_run(run, fixed, lists, loading, asked, told, flags, barrier, blocks,
     member = Member(rank, lists.gradient, lists.strain_rate, lists.reached)
     turn, done, ended, renewed, searched = 0, 0, HOLD, 0, 0
     for i in range(rank, n, threads):
+        soften_soil(terms.cyclic_pore_pressure, terms.layers, state, i, i + 1)
         for row in range(run.work.shape[0]):
             run.work[row, i] = 0.0
     if asked[r, BUILD] != 0:

@@ -40,7 +40,6 @@ from sph.scene.soil import Soil
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
-from sph.solver.compiled.threads import own_rows, wait
 from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles, peak_strength
 from sph.solver.physics import material
@@ -52,7 +51,6 @@ from sph.solver.physics.pore_pressure import effective_overburden, pore_pressure
 from sph.solver.state import ARMED
 
 if TYPE_CHECKING:
-    from sph.solver.compiled.threads import Team
     from sph.solver.physics.elasticity import Strain
     from sph.solver.terms import State
 
@@ -182,16 +180,14 @@ def _excess_pressure(cyclic: CyclicPorePressure, state: State, i: int) -> float:
 
 
 @slot
-def soften_soil(cyclic: CyclicPorePressure | None, layers: Layers | None, state: State, team: Team) -> None:
-    """Give this thread's particles the coefficients that their excess pore pressure has left them, as the table of a new run has not."""
+def soften_soil(cyclic: CyclicPorePressure | None, layers: Layers | None, state: State, first: int, last: int) -> None:
+    """Give particles first to last the coefficients that their excess pore pressure has left them, as the table of a new run has not."""
 
 
 @soften_soil.of(CyclicPorePressure)
-def _soften_soil(cyclic: CyclicPorePressure, layers: Layers, state: State, team: Team) -> None:
-    first, last = own_rows(team, cyclic.coefficient.size)
-    for i in range(first, last):
+def _soften_soil(cyclic: CyclicPorePressure, layers: Layers, state: State, first: int, last: int) -> None:
+    for i in range(first, min(last, cyclic.coefficient.size)):
         soften(cyclic, layers, state, i)
-    wait(team)
 
 
 @jit
