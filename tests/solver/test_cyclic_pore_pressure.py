@@ -25,6 +25,8 @@ from sph.solver.physics.material import Material, make_material, material_of
 from sph.solver.simulation import Simulation
 from sph.solver.state import ARMED
 
+pytestmark = pytest.mark.uncompiled
+
 SAND: dict[str, Any] = {
     "name": "sand",
     "scheme": "paper",
