@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sph.solver.boundaries.dashpots import moved_rows
 from sph.solver.compiled.jit import entry, jit
 from sph.solver.compiled.threads import own_rows, wait
 from sph.solver.moves import largest_move
@@ -41,7 +42,8 @@ def _of_all(team: Team, row: int) -> float:
 @jit
 def look_at_pairs(state: State, pairs: Pairs, terms: Terms, step: int, team: Team) -> int:
     """Whether the pairs still hold after the drift of a step: ``HOLD``, ``DUE``, ``SPENT`` or ``LOST``, the same for all threads."""
-    first, last = own_rows(team, terms.n_moving)
+    # What this thread has moved, since the others may not have moved theirs yet
+    first, last = moved_rows(terms.absorbing_walls, terms.n_soil, *own_rows(team, terms.n_moving))
     seen, far = largest_changes(terms.initial_arrangement, state, pairs, step, first, last)
     team.move[PAIRS_MOVE, team.rank] = seen
     team.move[CANDIDATES_MOVE, team.rank] = far

@@ -9,9 +9,10 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
-from sph.solver.boundaries.dashpots import make_absorbing
+from sph.solver.boundaries.dashpots import kick_boundary, make_absorbing, moved_rows
 from sph.solver.boundaries.free_field import lattice_rows, layer_weights, make_free_field
 from sph.solver.initial_state import initial_state
+from sph.solver.integration import Loads
 from sph.solver.particles import BASE, SIDE, SOIL, place_particles
 from sph.solver.physics.kernels import make_kernel
 from sph.solver.renewal import make_lists
@@ -144,3 +145,18 @@ def test_sides_without_soil_are_refused() -> None:
     data = SLOPE | {"geometry": {"shape": "bodies", "width": 20.0, "height": 10.0, "bodies": [body]}}
     with pytest.raises(ValueError, match=r"walls\.sides: absorbing .*both sides"):
         place_particles(make_scene(data))
+
+
+def test_a_thread_looks_at_the_rows_that_it_has_moved() -> None:
+    # The lists of pairs are renewed by how far a thread's own particles have moved, while other threads may still move theirs.
+    scene = slope({})
+    particles = place_particles(scene)
+    terms = make_terms(scene, particles)
+    assert terms.absorbing_walls is not None and terms.absorbing_walls.in_base > 3 * scene.walls.layers
+    loads = Loads(time=terms.armed_from + 1.0, ground=1.0, vertical=0.0, gravity=9.81, extra_damping=0.0)
+    ends = range(terms.n_soil, terms.n_moving + 1)
+    for first, last in zip([0, *ends], [*ends, terms.n_moving], strict=True):
+        state = initial_state(particles, scene)
+        kick_boundary(terms.absorbing_walls, state, terms, particles.mass, loads, first, last)
+        begin, end = moved_rows(terms.absorbing_walls, terms.n_soil, first, last)
+        assert set(np.flatnonzero(state.vx)) == set(range(max(begin, terms.n_soil), end))

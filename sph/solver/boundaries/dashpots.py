@@ -136,6 +136,23 @@ def _moves(
 
 
 @slot
+def moved_rows(walls: AbsorbingWalls | None, n_soil: int, first: int, last: int) -> tuple[int, int]:
+    """First and last row that the thread moves whose rows are first to last: whole columns of an absorbing base."""
+    return first, last
+
+
+@moved_rows.of(AbsorbingWalls)
+def _moved_rows(walls: AbsorbingWalls, n_soil: int, first: int, last: int) -> tuple[int, int]:
+    return _from_column(walls, n_soil, first), _from_column(walls, n_soil, last)
+
+
+@jit
+def _from_column(walls: AbsorbingWalls, n_soil: int, i: int) -> int:
+    """First row from i on with which a column begins."""
+    return n_soil + _whole_column(walls, i - n_soil) if i > n_soil else i
+
+
+@slot
 def kick_boundary(
     walls: AbsorbingWalls | None, state: State, terms: Terms, mass: np.ndarray, loads: Loads, first: int, last: int
 ) -> tuple[float, float, float, float]:
