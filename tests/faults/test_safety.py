@@ -162,6 +162,8 @@ ALLOWED = {
     "sph/__init__.py": ["importlib"],  # the public names, from a fixed table
     "sph/experiments/base.py": ["importlib"],  # a module of an experiment, whose names are a fixed table
     "sph/experiments/registry.py": ["importlib"],  # likewise
+    "sph/solver/cuda/kernel.py": ["exec"],  # an argument for each array of the records, whose names are those of the source
+    "sph/solver/cuda/ensemble.py": ["importlib", "importlib.util"],  # numba's backend for graphics cards
     "sph/scene/extras.py": ["importlib"],  # a module of a fixed name
     "workflow/scripts/docs/run_page.py": ["subprocess"],  # the blocks of the pages of the repository
     "workflow/scripts/docs/write_docs.py": ["subprocess", "importlib", "importlib.util"],  # mkdocs; all modules for pdoc
@@ -173,7 +175,9 @@ def test_the_sources_evaluate_nothing() -> None:
     for path, node in ((source, node) for source in SOURCES for node in ast.walk(ast.parse(source.read_text(encoding="utf-8")))):
         if isinstance(node, ast.Call):
             called = ast.unparse(node.func)
-            assert called not in CALLS, f"{path}, line {node.lineno} calls {called}"
+            assert called not in CALLS or called in ALLOWED.get(str(path.relative_to(ROOT)), []), (
+                f"{path}, line {node.lineno} calls {called}"
+            )
             assert not any(word.arg in ("shell", "allow_pickle") for word in node.keywords), f"{path}, line {node.lineno}"
         modules = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []

@@ -178,6 +178,7 @@ def placed_region(region: Data, place: Callable[[float, float], tuple[float, flo
 
 UNITS = {
     "-": (0, 0, 0),
+    "%": (0, 0, 0),
     "degree": (0, 0, 0),
     "m": (1, 0, 0),
     "s": (0, 1, 0),

@@ -365,13 +365,19 @@ def test_the_claims_of_the_paper_are_asked_for() -> None:
         paper_study(other, "the claims")
 
 
-def test_an_experiment_on_a_scene_of_ones_own_is_configured_by_ones_own_file() -> None:
+def test_an_experiment_on_a_scene_of_ones_own_is_configured_by_ones_own_file(tmp_path: Path) -> None:
     own = {**read_yaml(ROOT / "config" / "studies" / "gentle_layered.yaml")}
     chosen = load_study(own, [ROOT])
     for name in ("trigger", "sensitivity"):
         with pytest.raises(ValueError, match=rf"experiments\.{name}: study 'gentle_layered'"):
             chosen.experiment_file(name)
-    assert load_study({**own, "experiments": {"trigger": "mine.yaml"}}, [ROOT]).experiment_file("trigger") == "mine.yaml"
+    mine = {**own, "experiments": {"trigger": "mine.yaml"}}
+    with pytest.raises(ValueError, match=r"experiments\.trigger: no file 'mine\.yaml'"):
+        load_study(mine, [ROOT])
+    intensity = {"dimension": "amplitude", "lowest": 0.5, "highest": 5.0, "cells": 3}
+    search = {"fidelity": "coarse", "cases": {"as it is": {}}, "intensity": intensity, "tolerance": 0.1, "classes": ["collapse"], "at": {}}
+    (tmp_path / "mine.yaml").write_text(yaml.safe_dump(search), encoding="utf-8")
+    assert load_study(mine, [tmp_path, ROOT]).experiment_file("trigger") == "mine.yaml"
     assert plan({}).experiment_file("trigger") == "config/trigger.yaml"
 
 
