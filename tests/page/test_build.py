@@ -471,7 +471,7 @@ def test_a_long_table_says_that_it_is_cut(tmp_path: Path) -> None:
 def test_millimetres_keep_their_digits() -> None:
     """8 mm is neither nothing nor a centimetre; a block that never stops has no end."""
     assert [metres(value) for value in (0.0, 0.0084, 0.033, 0.211, 24.0, np.inf)] == [
-        "0.000",
+        "0",
         "0.0084",
         "0.033",
         "0.211",
