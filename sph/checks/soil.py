@@ -125,14 +125,14 @@ def of_soils(scene: Scene) -> list[Finding]:
 
 def _of_residual(name: str, soil: Soil, main: Soil) -> list[Finding]:
     """Of a layer that is stronger than the main soil at its peak and falls to the same residual strength, as if it took that over."""
-    kept = {key: getattr(soil, key) for key in ("residual_cohesion", "residual_friction_angle")}
-    stronger = soil.cohesion >= main.cohesion and soil.friction_angle >= main.friction_angle
-    same = all(value is not None and value == getattr(main, key) for key, value in kept.items())
-    if not (same and stronger and (soil.cohesion, soil.friction_angle) != (main.cohesion, main.friction_angle)):
+    cohesion, angle = soil.residual_cohesion, soil.residual_friction_angle
+    if cohesion is None or angle is None or (cohesion, angle) != (main.residual_cohesion, main.residual_friction_angle):
         return []
-    keys = (f"layers.{name}.soil.{key}" for key in kept)
-    numbers = {"cohesion": 1e3 * soil.residual_cohesion, "friction_angle": math.radians(soil.residual_friction_angle)}
-    return [finding("residual-taken-over", *keys, subject=name, **numbers)]
+    peak, mains = (soil.cohesion, soil.friction_angle), (main.cohesion, main.friction_angle)
+    if peak == mains or peak[0] < mains[0] or peak[1] < mains[1]:
+        return []
+    keys = (f"layers.{name}.soil.residual_{key}" for key in ("cohesion", "friction_angle"))
+    return [finding("residual-taken-over", *keys, subject=name, cohesion=1e3 * cohesion, friction_angle=math.radians(angle))]
 
 
 def _of_angle(name: str, key: str, angle: float, least: float) -> Finding:

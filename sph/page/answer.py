@@ -12,7 +12,7 @@ import pandas as pd
 
 from sph.checks.after_run import BRAKED, is_bounded, is_braked, is_open, lower_bounds
 from sph.checks.finding import Finding, Severity
-from sph.checks.messages import braked_words, factor_words, limit_how, limit_words, search_words, sentence
+from sph.checks.messages import braked_words, factor_words, limit_how, limit_words, search_words, sentence, yield_words
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
@@ -79,12 +79,13 @@ def answer(
     own = as_it_is(table)
     less = f"it may fail at less: {why}" if why else ""
     factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
+    critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         ("Without shaking", *unshaken(table, rows)),
         ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
         *at_residual(rows),
-        ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
+        ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions), less),
         *answer_spacing(found(SPACINGS)),
         *at_places(own, why),
