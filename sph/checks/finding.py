@@ -88,6 +88,7 @@ SEVERITIES: dict[str, Severity | Callable[[Numbers], Severity]] = {
     "rigid-box": WARNING,
     "no-dilation": NOTE,
     "own-strength-ratio": WARNING,
+    "residual-taken-over": WARNING,
     "short-process-zone": WARNING,
     "lost-by-time": _where_bounded,
     "progressive-failure": WARNING,

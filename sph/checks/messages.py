@@ -537,6 +537,12 @@ MESSAGES: dict[str, Message] = {
         ),
         meaning="the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that affects no soil",
     ),
+    "residual-taken-over": Message(
+        "{subject}, stronger than the main soil at its peak, falls to the same residual strength when it fails",
+        "c = {cohesion:kPa}, phi = {friction_angle:degree}",
+        "its own: a layer takes over what it does not name",
+        meaning="a layer stronger than the main soil has the same residual strength, as one that names none of its own",
+    ),
     "short-process-zone": Message(
         "the width over which slip is averaged is narrow, so failure depends on the spacing",
         "{value:.2g} spacings ({width:g} m)",

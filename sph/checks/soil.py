@@ -119,7 +119,20 @@ def of_soils(scene: Scene) -> list[Finding]:
             others.append(finding("angle-implausible", f"walls.friction.{side}", subject=side, value=friction, bound=MAX_TANGENT))
     if isinstance(scene.geometry, Slope) and scene.geometry.slope_angle < math.pi / 2:
         others.append(_of_angle("the slope", "geometry.slope_angle", scene.geometry.slope_angle, math.pi / 2))
+    others += [each for name, layer in scene.layers.items() for each in _of_residual(name, layer.soil, scene.soil)]
     return [*own, *(each for each in layers if (each.code, each.off_by) not in taken_over), *others]
+
+
+def _of_residual(name: str, soil: Soil, main: Soil) -> list[Finding]:
+    """Of a layer that is stronger than the main soil at its peak and falls to the same residual strength, as if it took that over."""
+    cohesion, angle = soil.residual_cohesion, soil.residual_friction_angle
+    if cohesion is None or angle is None or (cohesion, angle) != (main.residual_cohesion, main.residual_friction_angle):
+        return []
+    peak, mains = (soil.cohesion, soil.friction_angle), (main.cohesion, main.friction_angle)
+    if peak == mains or peak[0] < mains[0] or peak[1] < mains[1]:
+        return []
+    keys = (f"layers.{name}.soil.residual_{key}" for key in ("cohesion", "friction_angle"))
+    return [finding("residual-taken-over", *keys, subject=name, cohesion=1e3 * cohesion, friction_angle=math.radians(angle))]
 
 
 def _of_angle(name: str, key: str, angle: float, least: float) -> Finding:

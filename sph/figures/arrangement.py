@@ -132,7 +132,8 @@ def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
     surface = scene.water.surface(scene.geometry, x)
     ax.plot(x, surface, color="tab:blue", linewidth=0.9, linestyle="--", zorder=3)
     if named:
-        place = x[-1], surface[-1]
+        right = -1 if scene.geometry.direction > 0 else 0  # end of the line, as it is drawn
+        place = x[right], surface[right]
         ax.annotate("water", place, (-4, -4), textcoords="offset points", ha="right", va="top", color="tab:blue", size="small")
 
 

@@ -111,6 +111,19 @@ def check_places(places: Mapping[str, float | str], scene: Scene, where: str) ->
             )
 
 
+def check_same_places(places: Mapping[str, float | str], scene: Scene, base: Scene, where: str) -> None:
+    """ValueError beginning with ``where`` for a place that an alternative moves, since its toe is not that of the scene as it is."""
+    geometry, before = scene.geometry, base.geometry
+    for name, at in places.items():
+        assert isinstance(geometry, SLOPES) and isinstance(before, SLOPES)
+        now, then = (of.in_survey(foot_of(at, of)[0], 0.0)[0] for of in (geometry, before))
+        if not math.isclose(now, then, abs_tol=1e-6):
+            raise ValueError(
+                f"{where}: metrics.places.{name}: {at!r}: lies at x = {now:.6g} m here and at {then:.6g} m in the scene as it is, since "
+                f"the alternative moves the toe; give its x, {then:.6g}"
+            )
+
+
 class Debris(NamedTuple):
     """What counts as debris in a run."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ import pandas as pd
 
 from sph.checks.after_run import BRAKED, is_bounded, is_braked, is_open, lower_bounds
 from sph.checks.finding import Finding, Severity
-from sph.checks.messages import braked_words, factor_words, limit_how, limit_words, search_words, sentence
+from sph.checks.messages import braked_words, factor_words, limit_how, limit_words, search_words, sentence, yield_words
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
@@ -28,7 +29,7 @@ from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
-from sph.study.dimensions import CASE, Dimension, dimension, shown_unit, title_of
+from sph.study.dimensions import ALTERNATIVE, BASE, CASE, Dimension, dimension, shown_unit, title_of
 from sph.study.preflight import Row, read_preflight
 from sph.study.runs import OF_MEAN, SAFETY, SLOPE_LIMITS, YIELD
 from sph.study.tables import EXPECTED, read_csv
@@ -75,23 +76,25 @@ def answer(
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
     why = held_back(table, rows)
+    own = as_it_is(table)
     less = f"it may fail at less: {why}" if why else ""
     factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
+    critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         ("Without shaking", *unshaken(table, rows)),
         ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
         *at_residual(rows),
-        ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
-        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), less),
+        ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
+        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions), less),
         *answer_spacing(found(SPACINGS)),
-        *at_places(table, why),
+        *at_places(own, why),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     return Answer(
         _raised(lead(table, rows, why)),
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
-        [*compared(table, dimensions, probe), levels(table, dimensions, probe, why), *widths(table)],
+        [*compared(table, dimensions, probe), levels(own, dimensions, probe, why), *widths(own)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client))),
         expected_sentence(scene, not client)
@@ -110,6 +113,9 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
     if AMPLITUDE in table:
         strongest = max(table[AMPLITUDE], key=float)
         level, runs = f"At {in_both(float(strongest))}", table[table[AMPLITUDE] == strongest]
+    others = runs
+    if (runs := as_it_is(runs)) is not others:
+        level = f"As it is, {level[0].lower()}{level[1:]}"
     known = runs[runs["diverged"] == 0]
     fail, collapse = (int(known["collapse_class"].isin(classes).sum()) for classes in (CLASSES[1:], CLASSES[-1:]))
     if known.empty:
@@ -124,13 +130,43 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
         moving = int((known["still_moving"] > 0).sum())
         if (farthest := known["runout"].max()) > 0.0:
-            words.append(
-                f"debris runs {'at least' if moving or lower_bounds(known).any() else 'up to'} {metres(farthest)} m beyond the toe"
-            )
+            words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe")
         if moving:
-            words.append(f"it still moves at the end of {moving} runs" if len(known) > 1 else "it still moves at the end")
+            words.append(f"soil still moves at the end of {_runs(moving)}" if len(known) > 1 else "soil still moves at the end")
     places = places_in(table.columns) if len(known) else ()
-    return ". ".join([*said, "; ".join(words), *(f"{place}: {at_place(known, place)[0]}" for place in places)]) + "."
+    said += ["; ".join(words), *(f"{place}: {at_place(known, place)[0]}" for place in places)]
+    return ". ".join([*said, *(_instead(name, of) for name, of in _alternatives(others))]) + "."
+
+
+def as_it_is(table: pd.DataFrame) -> pd.DataFrame:
+    """The runs of the scene as it is, of a study with alternatives; all where there are none of them, or no alternatives."""
+    own = table[table[ALTERNATIVE] == BASE] if ALTERNATIVE in table else table
+    return own if 0 < len(own) < len(table) else table
+
+
+def _alternatives(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
+    """The runs of each alternative, beside those of the scene as it is."""
+    if as_it_is(table) is table:
+        return []
+    return [(str(name), runs) for name, runs in table.groupby(ALTERNATIVE, sort=False) if name != BASE]
+
+
+def _instead(name: str, runs: pd.DataFrame) -> str:
+    """How many runs of an alternative fail, how far their debris goes and which places it reaches."""
+    known = runs[runs["diverged"] == 0]
+    if known.empty:
+        return f"{name}: diverged"
+    fail = int((known["collapse_class"] != STABLE).sum())
+    words = [f"{name}: {fail} of {_runs(len(known))} {'fails' if len(known) == 1 else 'fail'}" if fail else f"{name}: no run fails"]
+    if (farthest := known["runout"].max()) > 0.0:
+        words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond its toe")
+    there = [place for place in places_in(known.columns) if (known[column_of(place, REACHED)] > 0.0).any()]
+    return ", ".join(words + [f"reaches {' and '.join(there)}"] * bool(there))
+
+
+def _bound(known: pd.DataFrame) -> str:
+    """Whether the largest run-out of some runs is that, or more was to come."""
+    return "at least" if (known["still_moving"] > 0).any() or lower_bounds(known).any() else "up to"
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
@@ -203,7 +239,9 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
     found = sorted((each for each in findings if each.code == code), key=lambda each: float(each.numbers["value"]))
     if not found:
         unknown = [str(each.numbers["reason"]) for each in findings if (each.code, each.subject) == ("stability-unknown", code)]
-        return ("not known", unknown[0]) if unknown else ("not searched", closely)
+        if unknown:
+            return "not known", unknown[0] if closely else re.sub(r"^[a-z_.]+: ", "", unknown[0])
+        return "not searched", closely
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
     how = f"static, a quick search{slopes} before the runs, {limit_how(found[0])}"
     return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
@@ -326,7 +364,8 @@ def at_place(table: pd.DataFrame, place: str, why: str = "") -> tuple[str, str]:
         if (table["still_moving"][short] > 0).any():
             how.append(f"the debris is at least {metres(gap)} m short of it then; run them for longer")
         else:
-            how.append(f"{'braked, ' * bool(braked.any())}the debris stops at least {metres(gap)} m short of it")
+            stops = f"the debris stops at least {metres(gap)} m short of it"
+            how.append(f"the braked debris comes to {metres(gap)} m of it" if braked.any() else stops)
     return "; ".join(words), "; ".join(how)
 
 
@@ -401,12 +440,16 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
 
 
 def _compared(table: pd.DataFrame) -> list[str]:
-    """How far a sliding point and slides of the field go, beside the run-outs, in a sentence; none where no run has debris."""
+    """How far a sliding point and slides of the field go, beside the run-outs, in a sentence; none where no debris passes the toe."""
+    table = table[table["runout"] > 0.0]
+    if table.empty:
+        return []
     energy, field = (_lengths(table[name], lower_bounds(table) & False) for name in ("energy_line_runout", "corominas_runout"))
     if field == NOTHING:
         return []
-    point = f"{energy} m by the energy line of the residual friction" if energy != NOTHING else ""
-    return [f"Run-out to compare: {', '.join(filter(None, (point, f'{field} m by Corominas (debris slides)')))}."]
+    point = f"{energy} m by the energy line of the residual friction, which leaves out residual cohesion" if energy != NOTHING else ""
+    slides = f"{field} m by Corominas, the mean of debris slides of that volume"
+    return [f"To compare with run-outs beyond the toe: {'; '.join(filter(None, (point, slides)))}."]
 
 
 def _lengths(values: pd.Series, bounds: pd.Series) -> str:

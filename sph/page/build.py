@@ -26,7 +26,7 @@ from sph.figures.style import DPI
 from sph.measures.metrics import CLASSES
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
-from sph.page.answer import answer
+from sph.page.answer import answer, as_it_is
 from sph.page.explorer import explorer
 from sph.page.matrix import matrix
 from sph.page.sections import DOCS, Drawing, Section, of
@@ -217,8 +217,9 @@ def found_part(section: Section, study: StudyFiles) -> Part:
 
 
 def overview(table: pd.DataFrame, study: StudyFiles, titles: Mapping[str, str]) -> Picture | None:
-    """The slope before and after the run of those shown that goes farthest; None where all diverged."""
-    sound = table[table["diverged"] == 0]
+    """The slope before and after the run of those shown that goes farthest, of the scene as it is where there are alternatives; None where
+    all diverged."""
+    sound = as_it_is(table[table["diverged"] == 0])
     if sound.empty:
         return None
     name = sound.fillna({"runout": 0.0}).sort_values(["runout", "displacement_magnitude"], kind="stable").index[-1]

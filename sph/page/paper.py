@@ -10,7 +10,10 @@ from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS
 from sph.study.schema import Study
 
 PAPER_SECTIONS: tuple[Section, ...] = (
-    PREFLIGHT,
+    FIGURES._replace(
+        text="Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
+        figures=drawings(figures.FIGURES, numbered(7)),
+    ),
     Section(
         "The paper's claims",
         "Each claim is turned into a test on numbers; a claim that fails is shown as such.",
@@ -18,10 +21,7 @@ PAPER_SECTIONS: tuple[Section, ...] = (
         tables={"{fidelity}/claims.csv": "Claim, test, what was measured, verdict"},
         always=True,
     ),
-    FIGURES._replace(
-        text="Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
-        figures=drawings(figures.FIGURES, numbered(7)),
-    ),
+    PREFLIGHT,
     TRIGGER._replace(tables={"*/trigger/claim.csv": "What the search says of the paper's claim", **TRIGGER.tables}),
     MAPS,
     *OF_EVERY_STUDY,

@@ -169,7 +169,7 @@ SPACING = Section(
     always=True,
 )
 """Of a study with a second fidelity."""
-SECTIONS = (PREFLIGHT, FIGURES, TRIGGER, MAPS, *OF_EVERY_STUDY)
+SECTIONS = (FIGURES, PREFLIGHT, TRIGGER, MAPS, *OF_EVERY_STUDY)
 """The sections of a study of any dimensions, in their order on the page."""
 FIRST_SCREEN = (FINDINGS, CRITICAL, SPACINGS, ANNUAL)
 """Files from which the page begins, where they exist."""

@@ -111,7 +111,10 @@ def short(cell: str) -> str:
 
 
 def metres(value: float) -> str:
-    """A length in m, to three digits or a millimetre, a few millimetres to a tenth of one; that of a block which never stops has no end."""
+    """A length in m, to three digits or a millimetre, a few millimetres to a tenth of one, none as 0; that of a block which never stops
+    has no end."""
+    if value == 0.0:
+        return "0"
     if value == math.inf:
         return "unlimited"
     digits = 4 if 0 < abs(value) < 0.01 else 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from sph.measures.fields import check_probe
-from sph.measures.places import check_places, place_columns
+from sph.measures.places import check_places, check_same_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, check_unit, written_amplitude
 from sph.storage.files import whole
-from sph.study.dimensions import ALTERNATIVE, Dimension, dimension, title_of, value_of
+from sph.study.dimensions import ALTERNATIVE, BASE, Dimension, dimension, title_of, value_of
 from sph.study.runs import YIELD, BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
@@ -213,6 +213,8 @@ class Plan:
         scene = self._base.built(point, origin)
         check_probe(self.study.metrics.probe, scene, origin)
         check_places(self.study.metrics.places, scene, origin)
+        if point.get(ALTERNATIVE, BASE) != BASE:
+            check_same_places(self.study.metrics.places, scene, self._base.built({**point, ALTERNATIVE: BASE}, origin), origin)
         if scene.coupling.initial_state == "fluid":
             raise ValueError(
                 f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "

@@ -98,6 +98,16 @@ def test_what_is_usual_and_what_is_residual_is_not_told(at: str, settings: dict[
     assert told(**{f"{at}.{name}": number for name, number in settings.items()}) == []
 
 
+def test_a_stronger_layer_that_takes_over_the_residual_strength_is_told() -> None:
+    """As rock under a cover, which would flow like it; not where it names its own, or keeps its peak."""
+    residual = {"soil.residual_cohesion": 0.0, "soil.residual_friction_angle": 17.0}
+    rock = {"layers.clay.soil.cohesion": 200.0, "layers.clay.soil.friction_angle": 38.0}
+    (one,) = told(**residual, **rock)
+    assert (one.code, one.subject) == ("residual-taken-over", "clay") and words(one).measured == "c = 0 kPa, phi = 17 degree"
+    assert one.keys == ("layers.clay.soil.residual_cohesion", "layers.clay.soil.residual_friction_angle")
+    assert told(**residual, **rock, **{"layers.clay.soil.residual_friction_angle": 30.0}) == [] == told(**rock) == told(**residual)
+
+
 def test_only_slopes_of_ones_own_are_told() -> None:
     assert told(**{"scheme": "paper", "soil.cohesion": 20000.0}) == []
     assert told(**{"geometry": {"shape": "block", "width": 30.0, "height": 20.0}, "soil.cohesion": 20000.0}) == []

@@ -85,12 +85,12 @@ def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None
     assert house == (
         "At house",
         f"unknown in 6 runs, whose debris is braked: {why}",
-        "braked, the debris stops at least 10.0 m short of it",
+        "the braked debris comes to 10.0 m of it",
     )
     road, house = at_places(RUNS.assign(findings=["", "", "", "layer-held", "", ""]), why)
     assert road[1].endswith(f"at most; unknown in 1 run, whose debris is braked: {why}")
     assert house[1] == f"not reached in 5 runs; unknown in 1 run, whose debris is braked: {why}"
-    assert house[2].startswith("braked, the debris stops at least 10.0 m short")
+    assert house[2] == "the braked debris comes to 10.0 m of it"
     assert [fact[1:] for fact in at_places(LOST.assign(findings="layer-held"), why)] == [("not reached in 0 runs", "")] * 2
 
 
@@ -103,10 +103,10 @@ def test_braked_debris_is_a_lower_bound_with_its_reason(code: str) -> None:
     assert why == "1.9 rows of particles in cover" and held_back(RUNS, rows) == "", "of runs that are not in the table nothing is said"
     assert "weak soil" in held_back(braked, []), "where no finding names it"
     found = levels(braked, [Dimension("amplitude", "m/s2", "", False)], "A", why)
-    assert [row[2:4] for row in found.rows] == [("0.100 to 0.200", "0.000 to 2.00"), ("≥ 0.300 to ≥ 0.600", "≥ 4.00 to ≥ 20.0")]
+    assert [row[2:4] for row in found.rows] == [("0.100 to 0.200", "0 to 2.00"), ("≥ 0.300 to ≥ 0.600", "≥ 4.00 to ≥ 20.0")]
     assert why in found.note and "≥" not in levels(braked.assign(findings=""), [], "A").note
     (table,) = widths(braked)
-    assert table.rows[0][2] == "0.000" and table.rows[1][2] == "≥ 10.0"
+    assert table.rows[0][2] == "0" and table.rows[1][2] == "≥ 10.0"
 
 
 def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> None:
@@ -117,14 +117,16 @@ def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> N
 def test_how_far_others_would_go_is_beside_the_run_outs() -> None:
     runs = RUNS.assign(collapse_class="stable", displacement_magnitude=0.1, newmark_displacement=math.nan)
     assert "Corominas" not in levels(runs, [], "A").note
-    note = levels(runs.assign(energy_line_runout=[40.0, 44.0] * 3, corominas_runout=11.0), [], "A").note
-    assert "40.0 to 44.0 m by the energy line" in note and "11.0 m by Corominas" in note
+    others = runs.assign(energy_line_runout=[70.0, 44.0, 40.0] * 2, corominas_runout=11.0)
+    note = levels(others.assign(runout=[0.0, 2.0, 3.0] * 2), [], "A").note
+    assert "40.0 to 44.0 m by the energy line" in note and "11.0 m by Corominas" in note, "without runs whose debris stays above the toe"
+    assert "Corominas" not in levels(others.assign(runout=0.0), [], "A").note
 
 
 def test_how_wide_by_the_amplitude() -> None:
     (table,) = widths(RUNS)
     assert [tuple(row) for row in table.rows] == [
-        ("2.0 (0.204 g)", "2", "0.000", "2.00", "2.00"),
+        ("2.0 (0.204 g)", "2", "0", "2.00", "2.00"),
         ("4.0 (0.408 g)", "4", "≥ 10.0", "≥ 20.0", "≥ 20.0"),
     ]
     assert "an error of up to 12%" in table.note
@@ -175,11 +177,15 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     fails = "At 4 m/s2 (0.408 g) 3 of 4 runs fail, 2 of them by collapse"
     assert lead(bare, []) == f"{fails}; debris runs at least 20.0 m beyond the toe.", "one met the end of the box"
     assert lead(bare.assign(reached_side=""), []) == f"{fails}; debris runs up to 20.0 m beyond the toe."
-    moving = "; debris runs at least 20.0 m beyond the toe; it still moves at the end of 4 runs."
+    moving = "; debris runs at least 20.0 m beyond the toe; soil still moves at the end of 4 runs."
     assert lead(bare.assign(reached_side="", still_moving=1), []) == fails + moving
     assert lead(runs, []).endswith(
         ". road: reached in 2 of 4 runs, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. house: not reached in 4 runs."
     )
+    assert lead(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
+        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. road: not reached in 2 runs. "
+        "house: not reached in 2 runs. drained: 2 of 2 runs fail, debris runs at least 20.0 m beyond its toe, reaches road."
+    ), "an alternative is no run of the slope as it is"
     assert lead(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
     held = lead(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
     assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")

@@ -321,6 +321,7 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     write_preflight(findings, [Row(each, 1, "one") for each in (note, *slices)])
     first = Words(build_page(study)).text.partition("One run")[0]
     assert "Factor of safety 1.41 ± 0.10 by SPH; Bishop 1.44 (circle), Spencer 1.31 (not circular) static" in first
+    assert "Yield acceleration not searched by SPH; Spencer: not found sph yield-acceleration" in first
 
 
 def searched_file(path: Path, by: str, value: float, error: float, reason: str = "") -> str:
@@ -471,7 +472,7 @@ def test_a_long_table_says_that_it_is_cut(tmp_path: Path) -> None:
 def test_millimetres_keep_their_digits() -> None:
     """8 mm is neither nothing nor a centimetre; a block that never stops has no end."""
     assert [metres(value) for value in (0.0, 0.0084, 0.033, 0.211, 24.0, np.inf)] == [
-        "0.000",
+        "0",
         "0.0084",
         "0.033",
         "0.211",

@@ -11,7 +11,7 @@ from synthetic import step_ramp, synthetic, translation
 
 from sph.experiments.paper.figures import FIGURES, figure_gamma_histories, figure_strength_histories
 from sph.figures import caption
-from sph.figures.style import LINE_STYLES
+from sph.figures.style import LINE_STYLES, written
 from sph.output.run import Run
 
 
@@ -39,7 +39,7 @@ def test_histories_show_the_vertical_displacement_named_and_told_apart_without_c
     assert [curve.get_ydata()[-1] for curve in curves] == pytest.approx([-5.0, -3.0, -1.0])
     assert curves[0].get_xdata()[0] == pytest.approx(3.0)
     legend = ax.get_legend()
-    assert legend is not None and [text.get_text() for text in legend.get_texts()] == list(runs)
+    assert legend is not None and [text.get_text() for text in legend.get_texts()] == [written(name) for name in runs]
     assert len({str(curve.get_linestyle()) + str(curve._dash_pattern) for curve in curves}) == 3
     band = ax.patches[0].get_extents().transformed(ax.transData.inverted())
     assert (band.x0, band.x1) == pytest.approx((3.0, 10.0))
@@ -53,7 +53,7 @@ def test_more_curves_than_line_styles_still_draw(slid: Run) -> None:
 def test_gamma_panels(slid: Run, standing: Run) -> None:
     figure = figure_gamma_histories({"S_R = 0.25": {"γ = 100": slid, "γ = 1": standing}, "S_R = 0.35": {"γ = 100": slid}})
     assert [len(ax.lines) for ax in figure.axes] == [3, 2]
-    assert "(b) S_R = 0.35" in texts(figure)
+    assert "(b) $S_R$ = 0.35" in texts(figure)
 
 
 def test_histories_without_data_or_with_an_unknown_probe_are_refused(slid: Run) -> None:

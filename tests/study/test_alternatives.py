@@ -67,6 +67,15 @@ def test_a_grid_may_choose_some(study: dict[str, Any]) -> None:
     assert chosen.built(**next(iter(chosen.study.runs.values()))).water is None
 
 
+def test_an_alternative_that_moves_the_toe_moves_no_place(study: dict[str, Any]) -> None:
+    longer = {"geometry": {"apron_length": 57.0}}
+    changed = study | {"alternatives": {"longer": longer}, "grid": {"amplitude": ["4.0"]}}
+    with pytest.raises(ValueError, match="metrics.places.road: '3 beyond the toe'.*moves the toe; give its x, 52"):
+        load_study(changed | {"metrics": {"places": {"road": "3 beyond the toe"}}})
+    load_study(changed | {"metrics": {"places": {"road": 52.0}}})
+    load_study(study | {"metrics": {"places": {"road": "3 beyond the toe"}}})
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -117,7 +126,7 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     assert [row[5:] for row in found.rows] == [
         ("10.0", "12.0", "–", "1 of 2"),
         ("4.00", "3.00", "6.00 m (60 %)", "0 of 2"),
-        ("0.100", "0.000", "9.90 m (99 %)", "0 of 2"),
+        ("0.100", "0", "9.90 m (99 %)", "0 of 2"),
     ]
     assert "amplitude 4.0 m/s²" in found.note
     assert compared(table_of().drop(columns="alternative"), DIMENSIONS[:1], "A") == []

@@ -95,6 +95,8 @@ def test_a_fidelity_lays_its_keys_over_the_scene() -> None:
 def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
     runs = list(paper({}).figure_runs(7))
     assert [(point["S_R"], point["gamma"]) for _, point in runs] == [("0.25", "100"), ("0.25", "1"), ("0.35", "100"), ("0.35", "1")]
+    titles = [title for number in (4, 5, 6, 7) for both, _ in paper({}).figure_runs(number) for title in both]
+    assert any("S_R = 0.25" in title for title in titles) and not any("$" in title for title in titles), "figures set the subscript"
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ class PaperStudy(AnyStudy):
         for wanted_S_R, wanted_gamma in pairs:
             S_R, gamma = self._label("S_R", wanted_S_R), self._label("gamma", wanted_gamma)
             amplitude = self._label("amplitude", str(self.claims.amplitude))
-            first = named("S_R").equation(S_R).replace("S_R", "$S_R$")  # a formula
+            first = named("S_R").equation(S_R)
             second, third = named("gamma").equation(gamma), f"amplitude {amplitude} m/s²"
             titles = {6: (f"{second}, {third}", first), 7: (f"{first}, {third}", second)}.get(number, (f"{first}, {second}, {third}",))
             yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": amplitude}

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from sph.figures import RUN_FIGURES, figure_profiles
 from sph.figures.history import draw_vertical_histories
-from sph.figures.style import WIDTH, add_note, label_panels, styled
+from sph.figures.style import WIDTH, add_note, label_panels, styled, written
 from sph.output.run import Run
 from sph.study.schema import INPUT_FIGURES
 
@@ -19,14 +19,14 @@ def _histories(panels: Mapping[str, Mapping[str, Run]], probe: str, fidelity: st
     figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for ax, runs in zip(axes, panels.values(), strict=True):
-        lines = draw_vertical_histories(ax, runs, probe)
+        lines = draw_vertical_histories(ax, {written(name): run for name, run in runs.items()}, probe)
         ax.margins(y=0.14)
         if len(panels) > 1:
             ax.legend(handles=lines, loc="upper left", bbox_to_anchor=(0.0, -0.2), ncols=len(lines), handlelength=3.2, borderaxespad=0)
     if len(panels) == 1:
         axes[0].legend(handles=lines, loc="center left", bbox_to_anchor=(1.01, 0.5), handlelength=3.2)
     axes[0].set_ylabel(f"vertical displacement of {probe} (m)")
-    label_panels(axes, panels)
+    label_panels(axes, map(written, panels))
     add_note(figure, [run.scene for runs in panels.values() for run in runs.values()], fidelity)
     return figure
 
