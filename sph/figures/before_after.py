@@ -31,7 +31,7 @@ from sph.output.run import Run
 TITLE = 60
 """Most characters in a line of a title over the width of the figure."""
 FAILED_COLOUR = "#b2182b"
-STEEP = 0.5
+STEEP = 0.3
 """Height over width of a section from which on both stand side by side."""
 
 
