@@ -447,9 +447,8 @@ def _compared(table: pd.DataFrame) -> list[str]:
     energy, field = (_lengths(table[name], lower_bounds(table) & False) for name in ("energy_line_runout", "corominas_runout"))
     if field == NOTHING:
         return []
-    point = f"{energy} m by the energy line of the residual friction, which leaves out residual cohesion" if energy != NOTHING else ""
-    slides = f"{field} m by Corominas, the mean of debris slides of that volume"
-    return [f"To compare with run-outs beyond the toe: {'; '.join(filter(None, (point, slides)))}."]
+    point = f"{energy} m by the energy line (residual friction alone)" if energy != NOTHING else ""
+    return [f"To compare with run-outs: {', '.join(filter(None, (point, f'{field} m by Corominas (debris slides)')))}."]
 
 
 def _lengths(values: pd.Series, bounds: pd.Series) -> str:
