@@ -99,6 +99,12 @@ FAILURES: list[tuple[int, Changes, str]] = [
 ]
 
 
+def test_a_runout_that_met_an_end_of_the_box_is_a_lower_bound() -> None:
+    for number in (2, 12):
+        assert "run-out ≥ " not in cell(decide({}), number, "measured")
+        assert ", up to an end of the box" in cell(decide({S10: {"reached_side": "front"}}), number, "measured")
+
+
 @pytest.mark.parametrize(("number", "changes", "measured"), FAILURES)
 def test_each_claim_can_fail_and_shows_the_number(number: int, changes: Changes, measured: str) -> None:
     claims = decide(changes)

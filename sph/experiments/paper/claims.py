@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sph.checks.after_run import is_bounded
 from sph.measures.metrics import COLLAPSE, DAMAGED, MINOR, UNDETERMINED
 from sph.scene.configuration import Section, key
 from sph.scene.units import Acceleration
@@ -97,6 +98,13 @@ class Case:
         return str(self._point["collapse_class"].item())
 
     @property
+    def runout(self) -> str:
+        """Run-out in words: a lower bound where debris met an end of the box."""
+        bounded = is_bounded(str(self._point["reached_side"].item()))
+        words = f"run-out {'≥ ' * bounded}{self['runout']:.1f} m ({self['runout_over_height']:.2f} H)"
+        return words + ", up to an end of the box" * bounded
+
+    @property
     def onset(self) -> float:
         """Onset of the probe's motion, s; infinite if it never moved."""
         return math.inf if math.isnan(self["onset_time"]) else self["onset_time"]
@@ -137,8 +145,7 @@ def _weaker_deforms_more(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
 
 
 def _fluidity(case: Case) -> str:
-    numbers = f"{100 * case['failed_fraction']:.0f} % failed, run-out {case['runout']:.1f} m ({case['runout_over_height']:.2f} H)"
-    return f"{case.collapse_class}, {numbers}"
+    return f"{case.collapse_class}, {100 * case['failed_fraction']:.0f} % failed, {case.runout}"
 
 
 def _fluidised(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
@@ -269,7 +276,7 @@ def _runout_arrests(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
 
     def text(case: Case) -> str:
         state = "still moving" if case["still_moving"] else f"at rest, A since {_time(case['arrest_time'])}"
-        return f"run-out {case['runout']:.1f} m ({case['runout_over_height']:.2f} H), {state}"
+        return f"{case.runout}, {state}"
 
     return Verdict(_each(cases, text), _verdict(all(case["runout"] > 0 and not case["still_moving"] for case in cases)))
 
