@@ -11,12 +11,9 @@ import os
 import shutil
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from sph.storage.files import beside
-
-if TYPE_CHECKING:
-    from sph.solver.run import Until
 
 TOGETHER = 20.0
 """Seconds of predicted work up to which a job goes ahead with other runs."""
@@ -32,7 +29,8 @@ class Task(NamedTuple):
     scene: dict[str, Any]
     contents: dict[str, str]
     """digests of the files that the scene is read from (``sph.study.planned.Planned``)"""
-    until: Until
+    until: str
+    """stage, one of ``sph.solver.run.Until``"""
     by: str
     extrapolates: bool
     enforce_limit: bool

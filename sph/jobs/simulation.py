@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Sequence
 from contextlib import redirect_stderr, suppress
 from pathlib import Path
-from typing import TextIO
+from typing import TextIO, cast
 
 from sph.checks.finding import codes
 from sph.checks.messages import line
@@ -17,6 +17,7 @@ from sph.jobs.ahead import Task, keep_log, take_up
 from sph.jobs.log import job_log
 from sph.jobs.progress import reporter
 from sph.solver.checkpoint import run_to_file
+from sph.solver.run import Until
 from sph.stability.record import search_to_file
 from sph.storage.files import alone
 from sph.study.planned import Planned
@@ -85,7 +86,7 @@ def simulate(planned: Planned, task: Task, finished: Path, log: TextIO, threads:
         result = run_to_file(
             built,
             task.file,
-            task.until,
+            cast(Until, task.until),
             task.restart,
             report,
             threads,

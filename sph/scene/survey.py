@@ -201,7 +201,7 @@ def _check_order(points: list[tuple[float, float]]) -> None:
     """Refuse columns without names that are no profile, or a steep one, and a better one with x and elevation swapped."""
     x, y = np.array(points, float).T
     goes_on, rises_on = ((np.diff(each) >= 0.0).all() or (np.diff(each) <= 0.0).all() for each in (x, y))
-    if rises_on and (not goes_on or np.ptp(y) > STEEP * np.ptp(x)):
+    if rises_on and (not goes_on or np.ptp(y) > STEEP * np.ptp(x)) and np.ptp(x) <= STEEP * np.ptp(y):
         raise ValueError(
             f"its columns have no names and may be swapped: as x and elevation the line spreads over {np.ptp(x):.4g} m and rises by "
             f"{np.ptp(y):.4g} m{'' if goes_on else ', and turns back'}; write their names above them, as x (m),elevation (m)"

@@ -75,6 +75,15 @@ SCENES = [
     merge(
         TINY,
         {
+            "geometry": SLOPE,
+            "soil": {"blow_count": 10.0, "fines_content": 10.0},
+            "water": {"pressure": "carried", "level": 2.0, "excess_pressure": {"liquefaction": {}}},
+            "motion": {"kind": "tapered_sine", "start": 0.01, "ramp": 0.0, "decay_start": 0.02, "end": 0.02},
+        },
+    ),
+    merge(
+        TINY,
+        {
             "walls": {"base": "none", "sides": "periodic"},
             "geometry": {"width": 8.0},
             "coupling": {"initial_state": "fluid", "fluid": {"law": "capped_viscosity", "max_viscosity": 1e3}},

@@ -78,7 +78,8 @@ def settings():
 before = settings()
 import sph
 for module in pkgutil.walk_packages(sph.__path__, "sph."):
-    importlib.import_module(module.name)
+    if not module.name.startswith("sph.solver.cuda"):  # numba-cuda has settings of its own
+        importlib.import_module(module.name)
 assert settings() == before, "by importing"
 
 from sph.solver.compiled.numba_internals import PROCESSOR, codegen

@@ -48,7 +48,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     jobs = {
         "grid": {"stage": 8, "simulate": 4},
-        "cases": {"stage": 3, "simulate": 2},
+        "cases": {"stage": 3, "simulate": 2, "study_figure": 1},  # no map where one dimension alone varies
         "sample": {"stage": 6, "simulate": 2},
     }
     for study in (GRID, CASES, SAMPLE):
