@@ -14,7 +14,6 @@ from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
-from sph.solver.particles import place_particles
 from sph.solver.physics.cyclic_pore_pressure import can_liquefy
 
 if TYPE_CHECKING:
@@ -84,10 +83,10 @@ def liquefied(run: Run) -> list[Finding]:
     scene = run.scene
     if scene.water is None or scene.water.excess_pressure is None or scene.water.excess_pressure.liquefaction is None:
         return []
-    particles, found = place_particles(scene), []
-    sand = can_liquefy(scene, particles)
+    found, layer = [], run["layer"]
+    sand = can_liquefy(scene, run["x0"], run["y0"], layer) & run.soil
     for number, name in enumerate(("soil", *scene.layers)):
-        times = run["t_f"][sand & (particles.layer == number)]
+        times = run["t_f"][sand & (layer == number)]
         failed = times[np.isfinite(times)]
         if failed.size:
             first, middle = float(failed.min()), float(np.median(failed))

@@ -6,7 +6,7 @@ import numpy as np
 
 from sph.checks.finding import Finding, finding
 from sph.scene.gravity import GRAVITY
-from sph.scene.liquefaction import LARGEST_DEPTH, clay_resistance, clean_sand, sand_resistance, stress_reduction
+from sph.scene.liquefaction import LARGEST_DEPTH, clay_resistance, sand_resistance, stress_reduction
 from sph.scene.loading import loading_of
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, overburden, peak_strength
@@ -26,7 +26,7 @@ def of_liquefaction(scene: Scene, particles: Particles, magnitude: float) -> lis
     peak = float(np.abs(loading_of(scene).ground).max(initial=0.0))
     if peak == 0.0:
         return []
-    sand = can_liquefy(scene, particles)[soil]
+    sand = can_liquefy(scene, x, y, layer)
     strength, reached = peak_strength(scene, particles)[0, soil], (depth <= LARGEST_DEPTH) & (effective > 0.0)
     found = []
     for number, (name, of) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
@@ -38,9 +38,7 @@ def of_liquefaction(scene: Scene, particles: Particles, magnitude: float) -> lis
         if is_clay:
             resistance = clay_resistance(strength[there] / effective[there], magnitude)
         else:
-            fines = of.fines_content
-            blows = of.equivalent_blow_count if fines is None else clean_sand(of.equivalent_blow_count, fines)
-            resistance = sand_resistance(blows, magnitude, effective[there])
+            resistance = sand_resistance(of.clean_sand_blow_count, magnitude, effective[there])
         safety = resistance / stress
         worst = int(np.argmin(safety))
         numbers = {"value": float(safety[worst]), "bound": 1.0, "depth": float(depth[there[worst]]), "share": float(np.mean(safety < 1.0))}

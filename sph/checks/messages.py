@@ -399,7 +399,7 @@ MESSAGES: dict[str, Message] = {
         lambda of: "{subject} liquefies in the earthquake" if of["value"] < of["bound"] else "{subject} does not liquefy in the earthquake",
         _simplified,
         "at least {bound:g}; or let the run raise its pore pressure (water.excess_pressure)",
-        meaning="least factor of safety of sand against liquefaction, (Boulanger and Idriss 2014), with --magnitude",
+        meaning="least factor of safety of sand against liquefaction (Boulanger and Idriss 2014), with --magnitude",
     ),
     "cyclic-softening": Message(
         lambda of: "{subject}, clay, softens in the earthquake" if of["value"] < of["bound"] else "{subject}, clay, keeps its strength",

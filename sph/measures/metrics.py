@@ -110,7 +110,6 @@ class MetricSettings(Section):
     impact_factor: float = key(
         "factor on density times squared speed in the impact pressure at a place: 1 is the momentum flux of debris that is stopped, and "
         "guidance on barriers asks for more",
-        source="GEO Report 270 (Kwan 2012)",
         gt=0,
         le=100,
         default=1.0,

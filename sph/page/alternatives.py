@@ -9,7 +9,7 @@ import pandas as pd
 
 from sph.checks.after_run import is_lower_bound
 from sph.measures.metrics import CLASSES
-from sph.measures.places import PASSED, column_of, places_in
+from sph.measures.places import REACHED, column_of, places_in
 from sph.page.tables import AT_LEAST, NOTHING, Table, metres
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, BASE, Dimension, title_of
@@ -51,7 +51,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
                 _length(own, "displacement_magnitude"),
                 _length(own, "runout"),
                 NOTHING if name == BASE or own is None else saved(worst, own),
-                *(_reached(runs, column_of(place, PASSED)) for place in places),
+                *(_reached(runs, column_of(place, REACHED)) for place in places),
             )
         )
     head = (
@@ -94,11 +94,11 @@ def _length(run: Mapping[Any, Any] | None, name: str) -> str:
     return NOTHING if run is None else AT_LEAST * _goes_on(run) + metres(float(run[name]))
 
 
-def _reached(runs: pd.DataFrame, passed: str) -> str:
+def _reached(runs: pd.DataFrame, reached: str) -> str:
     """In how many of the runs debris reaches a place; at least, where it goes on in one that has not."""
-    known = runs[runs[passed].notna()].to_dict("records")
-    there = sum(run[passed] >= 0.0 for run in known)
-    return f"{AT_LEAST * any(_goes_on(run) for run in known if run[passed] < 0.0)}{there} of {len(known)}"
+    known = runs[runs[reached].notna()].to_dict("records")
+    there = sum(run[reached] > 0.0 for run in known)
+    return f"{AT_LEAST * any(_goes_on(run) for run in known if run[reached] == 0.0)}{there} of {len(known)}"
 
 
 def _fails_from(runs: pd.DataFrame) -> str:

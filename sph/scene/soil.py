@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from sph.scene.configuration import Section, key, without_unnamed
-from sph.scene.liquefaction import blow_count_of_density
+from sph.scene.liquefaction import blow_count_of_density, clean_sand
 from sph.scene.places import Coordinate
 
 LIQUEFIES = ("blow_count", "relative_density", "fines_content", "rebound_modulus", "liquefied_strength", "liquefied_strength_ratio")
@@ -195,6 +195,12 @@ class Soil(Section):
             return self.blow_count
         assert self.relative_density is not None
         return blow_count_of_density(self.relative_density)
+
+    @property
+    def clean_sand_blow_count(self) -> float:
+        """(N1)60 of the clean sand that liquefies as easily: fines count as more blows."""
+        blows = self.equivalent_blow_count
+        return blows if self.fines_content is None else clean_sand(blows, self.fines_content)
 
     @model_validator(mode="after")
     def _at_rest(self) -> Soil:

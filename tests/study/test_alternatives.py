@@ -101,7 +101,8 @@ def table_of(**columns: list[Any]) -> pd.DataFrame:
             "displacement_magnitude": [0.5, 10.0, 0.0, 4.0, 0.0, 0.1],
             "runout": [0.0, 12.0, 0.0, 3.0, 0.0, 0.0],
             "yield_acceleration": [1.0, 1.0, 2.0, 2.0, 3.0, 3.0],
-            "house_passed": [-12.0, 1.0, -12.0, -9.0, -12.0, -12.0],
+            "house_passed": [-12.0, 1.0, 2.0, -9.0, -12.0, -12.0],  # past it with one run, as a film too thin to be debris
+            "house_reached": [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
             "house_depth": 0.0,
             "house_arrival": math.nan,
             "still_moving": 0,

@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from sph.scene.liquefaction import STRENGTHS, clean_sand, clean_sand_residual, volume_coefficient, volume_coefficient_of_density
+from sph.scene.liquefaction import STRENGTHS, clean_sand_residual, volume_coefficient, volume_coefficient_of_density
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.solver.compiled.jit import jit
@@ -225,13 +225,12 @@ def _fails(cyclic: CyclicPorePressure, state: State, i: int, slipped: bool) -> b
 
 
 def _coefficient(soil: Soil) -> float:
-    """C1 of a soil; 0 of one without a blow count or a relative density.  Fines count as more blows."""
+    """C1 of a soil; 0 of one without a blow count or a relative density."""
     if not soil.can_liquefy:
         return 0.0
     if soil.fines_content is None and soil.relative_density is not None:
         return volume_coefficient_of_density(soil.relative_density)
-    blows = soil.equivalent_blow_count
-    return volume_coefficient(blows if soil.fines_content is None else clean_sand(blows, soil.fines_content))
+    return volume_coefficient(soil.clean_sand_blow_count)
 
 
 def _modulus(soil: Soil) -> float:
@@ -245,7 +244,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Cycl
     wanted, stressed = scene.water.excess_pressure, slice(0, particles.first_no_slip)
     table = material.TERM.make(scene, particles, kernel, dt).table[stressed]
     law = FLUID_LAWS[scene.coupling.fluid.law].record._fields  # type: ignore[attr-defined]
-    layer, sand, limits = particles.layer[stressed], can_liquefy(scene, particles)[stressed], wanted.liquefaction
+    layer, sand, limits = particles.layer[stressed], _liquefying(scene, particles)[stressed], wanted.liquefaction
     return CyclicPorePressure(
         coefficient=np.where(sand, np.array([_coefficient(soil) for soil in scene.soils])[layer], 0.0),
         modulus=np.array([_modulus(soil) for soil in scene.soils])[layer],
@@ -263,17 +262,21 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Cycl
     )
 
 
-def can_liquefy(scene: Scene, particles: Particles) -> np.ndarray:
-    """Which particles (n,) are sand below water that can liquefy; none of the walls."""
-    sand = np.array([soil.can_liquefy for soil in scene.soils])[particles.layer] & (np.arange(particles.x.size) < particles.n_soil)
-    wet = pore_pressure(scene, particles.x, particles.y) > 0.0
-    return np.asarray(sand & wet & (effective_overburden(scene, particles.x, particles.y) > 0.0))
+def can_liquefy(scene: Scene, x: np.ndarray, y: np.ndarray, layer: np.ndarray) -> np.ndarray:
+    """Which places (n,) of the initial slope, of soil of these layers (n,), are sand below water that can liquefy."""
+    sand = np.array([soil.can_liquefy for soil in scene.soils])[layer]
+    return np.asarray(sand & (pore_pressure(scene, x, y) > 0.0) & (effective_overburden(scene, x, y) > 0.0))
+
+
+def _liquefying(scene: Scene, particles: Particles) -> np.ndarray:
+    """Which particles (n,) can liquefy; none of the walls."""
+    return can_liquefy(scene, particles.x, particles.y, particles.layer) & (np.arange(particles.x.size) < particles.n_soil)
 
 
 def residual_strength(scene: Scene, particles: Particles, law: str) -> np.ndarray:
     """Strength (n,) that particles keep once liquefied, by a law of ``STRENGTHS`` where their soil gives no number, and no more than the
     drained one, Pa; -1 for those that cannot liquefy."""
-    vertical, sand = effective_overburden(scene, particles.x, particles.y), can_liquefy(scene, particles)
+    vertical, sand = effective_overburden(scene, particles.x, particles.y), _liquefying(scene, particles)
     cohesion, friction_angle = peak_strength(scene, particles)
     found = np.full(vertical.size, -1.0)
     for number, soil in enumerate(scene.soils):
