@@ -23,6 +23,7 @@ import numpy as np
 from sph.solver.boundaries.periodic import Periodic, columns_around, columns_of_cells
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import neighbours_of
 from sph.solver.physics.artificial_stress import keep_nearness
 from sph.solver.physics.gradient_correction import Sums, either, invert
 from sph.solver.physics.initial_arrangement import is_intact, keep_whether_all, offset
@@ -72,6 +73,11 @@ if TYPE_CHECKING:
 else:
     _own = (name for term in TERMS if term.pairs for name in term.pairs.record._fields)
     Pairs = by_reference(namedtuple("Pairs", (*CorePairs._fields, *_own)))
+
+
+@neighbours_of.of(Pairs)
+def _one_after_the_other(pairs: Pairs, start: int, end: int) -> range:
+    return range(start, end)
 
 
 def find_candidates(x: np.ndarray, y: np.ndarray, reach: float, period: Periodic | None) -> Candidates:

@@ -7,7 +7,9 @@ that of what a step must read and write (lists of pairs twice, fields once) in w
 
 from __future__ import annotations
 
+import math
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +30,8 @@ FIELDS = 60
 def scene_of(number: int, ratio: float, precision: str) -> Scene:
     """The paper's slope with a strength of its own, at a multiple of its spacing."""
     own = load_scene(PAPER).numerics
-    step = own.time_step * min(ratio, 1.0)
-    numerics = {"spacing": own.spacing * ratio, "time_step": float(f"{step:.1g}"), "precision": precision}
+    parts = math.ceil(1.0 / min(ratio, 1.0))
+    numerics = {"spacing": own.spacing * ratio, "time_step": own.time_step / parts, "precision": precision}
     return load_scene(PAPER, {"numerics": numerics, "coupling": {"S_R": 0.05 + 0.9 * (number % 64) / 64}})
 
 
@@ -81,12 +83,12 @@ def on_core(precision: str, steps: int, ratio: float) -> float:
     return steps * simulation.state.x.size / (time.perf_counter() - began)
 
 
-def measure(most_runs: int, steps: int, finest: float, coarsened: float, threads: int) -> dict[str, Any]:
+def measure(most_runs: int, steps: int, finest: float, coarsened: float, threads: int, precisions: Sequence[str]) -> dict[str, Any]:
     """All cases up to a number of runs and down to a spacing, with spacings ``coarsened`` times as large."""
     cuda = ensemble.card()
     copy = float("nan") if ensemble.simulated() else bandwidth(cuda)
     cases = []
-    for precision in ("mixed", "double"):
+    for precision in precisions:
         core = on_core(precision, steps, coarsened)
         for runs, ratio in CASES:
             if runs <= most_runs and ratio >= finest:
@@ -111,10 +113,11 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--runs", type=int, default=256, help="most runs at once")
     parser.add_argument("--steps", type=int, default=1000, help="of a call, of which three are timed")
     parser.add_argument("--finest", type=float, default=0.04, help="smallest spacing over that of the paper")
+    parser.add_argument("--precision", nargs="+", default=["mixed", "double"], help="of gradients")
     parser.add_argument("--coarsen", type=float, default=1.0, help="factor on all spacings, for a trial of this script")
     parser.add_argument("--threads", type=int, default=ensemble.THREADS, help="of a block")
     options = parser.parse_args(arguments)
-    found = measure(options.runs, options.steps, options.finest, options.coarsen, options.threads)
+    found = measure(options.runs, options.steps, options.finest, options.coarsen, options.threads, options.precision)
     hand_out(found, table(found), options.json)
 
 

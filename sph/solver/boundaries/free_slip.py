@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit, neighbours_of
-from sph.solver.compiled.slots import slot
+from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import neighbours_of, slot
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
@@ -40,7 +40,7 @@ class FreeSlip(NamedTuple):
 @jit
 def _mean_of_soil(pairs: Pairs, i: int, n_soil: int, values: np.ndarray) -> float:
     total = weights = 0.0
-    for k in neighbours_of(pairs.start[i], pairs.end[i]):
+    for k in neighbours_of(pairs, pairs.start[i], pairs.end[i]):
         j = pairs.neighbour[k]
         if j < n_soil and pairs.inverse_norm[k] > 0.0:
             weight = 1.0 / pairs.inverse_norm[k]
@@ -93,7 +93,7 @@ def _wall_work(walls: FreeSlip, terms: Terms, state: State, pairs: Pairs, gradie
     for i in range(max(walls.first, first), last):
         syx = transposed_shear(correction, state, i)
         ax, ay = sxx[i] * pairs.sum_x[i] + sxy[i] * pairs.sum_y[i], syx * pairs.sum_x[i] + syy[i] * pairs.sum_y[i]
-        for k in neighbours_of(pairs.start[i], pairs.end[i]):
+        for k in neighbours_of(pairs, pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]
             gx, gy = pairs.gx[k], pairs.gy[k]
             ax += sxx[j] * gx + sxy[j] * gy

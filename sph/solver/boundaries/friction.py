@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit, neighbours_of
-from sph.solver.compiled.slots import slot
+from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import neighbours_of, slot
 from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.gradient_correction import transposed_shear
@@ -96,7 +96,7 @@ def _set_friction(friction: WallFriction, terms: Terms, state: State, pairs: Pai
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     for i in range(first, last):
         base = side = base_shear = side_shear = base_room = side_room = 0.0
-        for k in neighbours_of(pairs.start[i], pairs.end[i]):
+        for k in neighbours_of(pairs, pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]
             gx, gy = pairs.gx[k], pairs.gy[k]  # towards the wall, compression is negative
             if j >= friction.first:

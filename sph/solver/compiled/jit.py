@@ -166,15 +166,6 @@ def rows(first: int, last: int) -> range:
     return range(np.uint64(first), np.uint64(max(first, last)))
 
 
-@jit
-def neighbours_of(start: int, end: int) -> range:
-    """Places of a row's neighbours in the lists: one after the other, for a thread that takes whole rows.
-
-    The one place that says so: rows that lie side by side, for as many threads, would have a stride.
-    """
-    return range(start, end)
-
-
 _locked = False
 
 

@@ -80,3 +80,12 @@ def fields_of(kind: Any) -> dict[str, Any]:
 @slot
 def with_numbers(record: Any, table: np.ndarray, k: int, first: int) -> Any:
     """A record of the same type with the numbers of row k of a table from column ``first`` on."""
+
+
+@slot
+def neighbours_of(pairs: Any, start: int, end: int) -> range:
+    """Places of a row's neighbours in the lists: one after the other, for a thread that takes whole rows.
+
+    The one place that says so: rows that lie side by side, for as many threads, have a stride.
+    """
+    return range(start, end)

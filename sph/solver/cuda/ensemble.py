@@ -2,14 +2,16 @@
 
 A run's own code (stages, recording, guard, checkpoints) is that of ``sph.solver.run``.  Only ``advance_steps`` is another: it hands the
 request in and waits until every run of the ensemble has done so or is over; then one launch serves all.  State goes to the card before
-a launch and comes back after it, so that what records, restarts or goes back need not know where it was made.  Lists of neighbours stay
-on the card.  What is seldom asked of them (the limit of the time step at frames) is made on the processor from the state, as by a restart.
+a launch and comes back after it, into memory that the card reads and writes itself, so that what records, restarts or goes back need not
+know where it was made.  Lists of neighbours stay on the card.  What is seldom asked of them (the limit of the time step at frames) is
+made on the processor from the state, as by a restart.
 
 Only one of the threads that carry the runs is awake at a time: the others wait in ``advance``.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 import threading
@@ -34,6 +36,8 @@ THREADS = 256
 """Threads of a block."""
 REGISTERS = 128
 """Registers of a thread: two blocks fit a multiprocessor."""
+PLACES = ("start", "end", "close_end", "alike_end")
+"""What of pairs are places among them."""
 SPARE = 1.25
 """Room of a row over the longest one there is."""
 SHARE = 0.9
@@ -140,6 +144,8 @@ class Ensemble:
         self.rooms: list[int] = []
         """neighbours for whom a row has had room, in turn"""
         self.fixed_of: list[Any] = [None] * size
+        self.records: list[Any] = [None] * size
+        """what the card changes of each run: state and works, in the memory from which it is copied to the card"""
         self.renewed = np.zeros((size, 2), np.int64)
         """how often pairs and candidates of each run have been renewed"""
 
@@ -249,7 +255,7 @@ class Ensemble:
         self.run_pack, self.fixed_pack, self.list_pack = wanted
         for pack in wanted:
             pack.allocate(self.cuda, on_host=pack is not self.list_pack)
-        self.fixed_of = [None] * len(self.members)
+        self.fixed_of, self.records = [None] * len(self.members), [None] * len(self.members)
         for member in members:
             member.on_card = False
 
@@ -263,7 +269,9 @@ class Ensemble:
             at = asked[place, card_code.FIRST] + np.arange(asked[place, card_code.COUNT] + 1)
             for row, history in enumerate(member.loading):
                 loads[place, row, : at.size] = history[at % history.size]  # the step before the first has the loads of NO_LOADING
-            self.run_pack.put(place, run_record(card_code, member))
+            if self.records[place] is None or member.state is not self.records[place].state:
+                self.records[place] = self.run_pack.views(place, run_record(card_code, member))
+                member.state = self.records[place].state
             if self.fixed_of[place] is not member.terms:
                 self.fixed_pack.put(place, fixed_record(card_code, member))
                 self.fixed_of[place], changed = member.terms, True
@@ -275,22 +283,17 @@ class Ensemble:
                      cuda.to_device(np.zeros(runs, np.uint32)), cuda.to_device(loads),
                      *self.run_pack.card, *self.fixed_pack.card, *self.list_pack.card]  # fmt: skip
         if self.kernel is None:
-            self.kernel = self._compiled(card_code.make_kernel(self.run_pack, self.fixed_pack, self.list_pack), arguments)
+            kernel = jitted(cuda, card_code.make_kernel(self.run_pack, self.fixed_pack, self.list_pack))
+            self.kernel = kernel if simulated() else kernel.specialize(*arguments)
         self.kernel[(self._blocks_a_run(), runs), self.threads](*arguments)
         self.run_pack.down()
         found = told.copy_to_host()
         for place in left:
-            member = self.members[place]
-            record = run_record(card_code, member)
-            self.run_pack.take(place, record)
+            member, work = self.members[place], self.records[place].work
             member.on_card = True
-            member.state.work[:REPULSION] += record.work[:REPULSION].sum(axis=1)
-            member.state.work[REPULSION] = record.work[REPULSION].sum()
+            member.state.work[:REPULSION] += work[:REPULSION].sum(axis=1)
+            member.state.work[REPULSION] = work[REPULSION].sum()
         return found
-
-    def _compiled(self, function: Any, arguments: Sequence[Any]) -> Any:
-        """The kernel, compiled for these arguments."""
-        return self.cuda.jit(function) if simulated() else self.cuda.jit(max_registers=REGISTERS)(function).specialize(*arguments)
 
     def _blocks_a_run(self) -> int:
         """Blocks of a run: as many as its particles fill, and as many as fit on the card at once, since they wait for each other."""
@@ -306,6 +309,12 @@ class Ensemble:
         self.room = 0
         if held and not simulated():
             self.cuda.current_context().deallocations.clear()
+
+
+@functools.cache
+def jitted(cuda: Any, function: Any) -> Any:
+    """A kernel, which keeps what it has been compiled for."""
+    return cuda.jit(function) if simulated() else cuda.jit(max_registers=REGISTERS)(function)
 
 
 def run_record(card_code: Any, member: Simulation) -> Any:
@@ -337,8 +346,15 @@ def packs(card_code: Any, member: Simulation, runs: int, room: int, threads: int
     candidates = Candidates(rows, rows, np.empty(size, np.uint32))
     (team,) = make_team(1, n, 1)
     fixed = fixed_record(card_code, member)
+    pairs = allocate_pairs(candidates, member.terms.zero, of_pairs(member.terms))
+    by_pair = tuple(name for name, array in pairs._asdict().items() if array.shape == (size,))
+    # Rows side by side are laid for whole warps.
+    rounded = -(-n // card_code.LANES) * card_code.LANES * room
+    laid = [np.empty(rounded, getattr(pairs, name).dtype) for name in by_pair]
+    places = tuple(name for name in PLACES if getattr(pairs, name, rows[:0]).size)
     lists = card_code.Lists(
-        allocate_pairs(candidates, member.terms.zero, of_pairs(member.terms)),
+        pairs,
+        card_code.class_of_own(by_pair, places)(*laid, *(rows for _ in places)),
         candidates,
         np.empty(fixed.grid.columns * fixed.grid.rows, np.int32),
         np.empty(n, np.int32),

@@ -7,6 +7,7 @@ What differs from the processor:
 * **Candidates** are renewed on the card: particles are hung into lists of the cells of a grid, and those of a row are put in order,
   so that rows do not depend on which thread came first.  Cells beyond the edge of the grid count as those at the edge.
 * **Rows** of candidates and pairs have room for ``room`` neighbours each.  A run in which that does not suffice stops with ``FULL``.
+  Pairs are made one row after the other and then laid side by side, ``LANES`` rows at a time, since as many threads read them together.
 * **Sums** of energies are kept for each particle and added up on the processor in order.
 
 The blocks of a run meet by an atomic counter, which takes for granted that all of them are on the card at once; a run of one block meets
@@ -17,7 +18,9 @@ by ``syncthreads`` alone.  Only ``sph.solver.cuda.ensemble`` imports this module
 
 from __future__ import annotations
 
+import functools
 import math
+from collections import namedtuple
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,7 +32,7 @@ from sph.solver.boundaries.free_field import kick_free_field, strain_free_field
 from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
 from sph.solver.boundaries.friction import set_friction
 from sph.solver.boundaries.periodic import Periodic, columns_around
-from sph.solver.compiled.slots import slot
+from sph.solver.compiled.slots import neighbours_of, slot
 from sph.solver.compiled.threads import wait
 from sph.solver.cuda.memory import Pack
 from sph.solver.integration import kick_soil, loads_of
@@ -56,6 +59,8 @@ FULL = 4
 """Why a run ended, beside ``HOLD`` (all steps made) and ``LOST``: its rows have no room for all neighbours."""
 SEEN, FAR, GONE = np.uint32(1), np.uint32(2), np.uint32(4)
 """What a particle's move says: its pairs are due; its candidates would be; it has jumped too far or to NaN."""
+LANES = 32
+"""Rows that lie side by side: those of the threads of a warp."""
 FLAGS = 4
 """Flags of a run: what was seen in three steps in turn, and whether a row was full."""
 
@@ -83,10 +88,43 @@ class Grid(NamedTuple):
     rows: int
 
 
+Laid = namedtuple("Laid", Pairs._fields)  # type: ignore[misc]
+"""Pairs whose rows lie side by side: what is of pairs, and places in it, are the card's own; the rest is that of the pairs as made."""
+
+
+@neighbours_of.of(Laid)
+def _side_by_side(pairs: Any, start: int, end: int) -> range:
+    return range(start, end, LANES)
+
+
+@slot
+def lay_row(own: Any, made: Pairs, i: int, room: int) -> None:
+    """Lay row i of pairs side by side with those of the threads beside; ``own`` holds the arrays for it."""
+
+
+@functools.cache
+def class_of_own(by_pair: tuple[str, ...], places: tuple[str, ...]) -> type:
+    """Record of the arrays that are laid side by side and of places in them, by their names in ``Pairs``."""
+    own = namedtuple("Own", (*by_pair, *places))  # type: ignore[misc]
+    copied = "".join(f"\n        own.{name}[at + {LANES} * k] = made.{name}[first + k]" for name in by_pair)
+    placed = "".join(f"\n    own.{name}[i] = at + {LANES} * (made.{name}[i] - first)" for name in places)
+    source = f"""
+def lay(own, made, i, room):
+    first = made.start[i]
+    at = np.uint32((i // {LANES}) * {LANES} * room + i % {LANES})
+    for k in range(np.uint32(max(made.end[i], made.close_end[i])) - first):{copied}{placed}
+"""
+    space: dict[str, Any] = {"np": np}
+    exec(source, space)
+    lay_row.of(own)(space["lay"])
+    return own
+
+
 class Lists(NamedTuple):
     """What only the card has of a run."""
 
-    pairs: Pairs
+    pairs: Pairs  # as they are made
+    own: Any  # arrays of ``class_of_own``
     candidates: Candidates
     head: np.ndarray  # (cells,) int32: a particle in each cell, or -1
     following: np.ndarray  # (n,) int32: the next one in a particle's cell, or -1
@@ -208,6 +246,7 @@ def fill_rows(lists, terms, state, rank, threads):
     offsets = Offsets(lists.offsets[rank, 0], lists.offsets[rank, 1], lists.offsets[rank, 2])
     for i in range(rank, state.x.size, threads):
         update_row(lists.pairs, lists.candidates, terms, places, offsets, i, np.uint64(lists.candidates.start[i]))
+        lay_row(lists.own, lists.pairs, i, offsets.dx.size)
 
 
 @cuda.jit(device=True)
@@ -258,9 +297,9 @@ def take_force(run, pairs, terms, mass, member, i):
 
 
 @cuda.jit(device=True)
-def advance_run(run, fixed, lists, loading, asked, told, flags, barrier, blocks, r):
+def advance_run(run, fixed, lists, pairs, loading, asked, told, flags, barrier, blocks, r):
     """Advance a run by the steps that are asked for, as one of its threads.  ``loading`` begins with the first of them."""
-    state, pairs, terms, mass, meets = run.state, lists.pairs, fixed.terms, fixed.mass, fixed.meets
+    state, terms, mass, meets = run.state, fixed.terms, fixed.mass, fixed.meets
     first, count = asked[r, FIRST], asked[r, COUNT]
     n, threads = state.x.size, cuda.blockDim.x * blocks
     rank = cuda.blockIdx.x * cuda.blockDim.x + cuda.threadIdx.x
@@ -367,12 +406,21 @@ def make_kernel(run: Pack, fixed: Pack, lists: Pack) -> Any:
     """The function of the kernel for records that lie in these packs; the runs are the second axis of the grid."""
     names = [*run.arguments, *fixed.arguments, *lists.arguments]
     loading = f"Loading({', '.join(f'loads[r, {row}]' for row in range(len(Loading._fields)))})"
+    at = lists.sources
+    laid = ", ".join(at.get(f"own.{name}", at[f"pairs.{name}"]) for name in Pairs._fields)
     source = f"""
 def advance_runs(asked, told, flags, barrier, loads, {", ".join(names)}):
     r = cuda.blockIdx.y
     if asked[r, {COUNT}] > 0 or asked[r, {BUILD}] != 0:
-        advance_run({run.source}, {fixed.source}, {lists.source}, {loading}, asked, told, flags, barrier, cuda.gridDim.x, r)
+        advance_run({run.source}, {fixed.source}, {lists.source}, Laid({laid}), {loading}, asked, told, flags, barrier, cuda.gridDim.x, r)
 """
-    space = {"cuda": cuda, "advance_run": advance_run, "Loading": Loading, **run.classes, **fixed.classes, **lists.classes}
-    exec(source, space)
-    return space["advance_runs"]
+    space = {"cuda": cuda, "advance_run": advance_run, "Loading": Loading, "Laid": Laid, **run.classes, **fixed.classes, **lists.classes}
+    return _kernel(source, tuple(space.items()))
+
+
+@functools.cache
+def _kernel(source: str, space: tuple[tuple[str, Any], ...]) -> Any:
+    """The same function again for packs alike, so that it is compiled once in a process."""
+    names = dict(space)
+    exec(source, names)
+    return names["advance_runs"]

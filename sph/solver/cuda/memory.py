@@ -46,17 +46,24 @@ class Pack:
         """group, and place in it, of each leaf"""
         self.count: list[int] = []
         self.name = name
+        self.sources: dict[str, str] = {}
+        """the same of each member, by its path"""
         self.source = self._source(record)
         self.host: list[np.ndarray] = []
         self.card: list[Any] = []
 
-    def _source(self, record: Any) -> str:
+    def _source(self, record: Any, path: str = "") -> str:
+        self.sources[path] = found = self._found(record, path)
+        return found
+
+    def _found(self, record: Any, path: str) -> str:
         if record is None:
             return "None"
         if hasattr(record, "_fields"):
             kind = type(record).__name__
             self.classes[kind] = type(record)
-            return f"{kind}({', '.join(map(self._source, record))})"
+            members = (self._source(member, f"{path}.{name}".lstrip(".")) for name, member in zip(record._fields, record, strict=True))
+            return f"{kind}({', '.join(members)})"
         key = _key(np.asarray(record))
         if key not in self.keys:
             self.keys.append(key)
@@ -84,7 +91,7 @@ class Pack:
     def allocate(self, cuda: Any, on_host: bool = True) -> None:
         """Make the arrays on the card, and beside them those through which the processor reads and writes them."""
         kinds = [np.dtype(kind) for kind, _ in self.keys]
-        self.host = [np.zeros(shape, kind) for shape, kind in zip(self.shapes, kinds, strict=True)] if on_host else []
+        self.host = [cuda.pinned_array(shape, kind) for shape, kind in zip(self.shapes, kinds, strict=True)] if on_host else []
         self.card = [cuda.device_array(shape, kind) for shape, kind in zip(self.shapes, kinds, strict=True)]
 
     def put(self, run: int, record: Any) -> None:
@@ -93,11 +100,22 @@ class Pack:
             if leaf.size:
                 self.host[group][run, place] = leaf
 
-    def take(self, run: int, record: Any) -> None:
-        """Read the arrays of a run, which ``down`` has brought, into those of a record."""
-        for (group, place), leaf in zip(self.at, leaves(record), strict=True):
-            if leaf.size:
-                leaf[...] = self.host[group][run, place]
+    def views(self, run: int, record: Any) -> Any:
+        """A record like that of a run, with its values, whose arrays are the memory that ``up`` and ``down`` copy."""
+        places = iter(self.at)
+
+        def view(member: Any) -> Any:
+            if hasattr(member, "_fields"):
+                return type(member)(*map(view, member))
+            if member is None:
+                return None
+            group, place = next(places)
+            if not member.size:
+                return member
+            self.host[group][run, place] = member
+            return self.host[group][run, place]
+
+        return view(record)
 
     def up(self) -> None:
         """Copy all to the card."""

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import compile_lock, neighbours_of, rows
-from sph.solver.compiled.slots import slot
+from sph.solver.compiled.jit import compile_lock, rows
+from sph.solver.compiled.slots import neighbours_of, slot
 from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, evaluate
@@ -72,7 +72,7 @@ def add_artificial_stress(
 def _add_artificial_stress(tension: ArtificialStress, layers: Layers | None, state: State, pairs: Pairs, first: int, last: int) -> None:
     for i in rows(first, last):
         ax = ay = 0.0
-        for k in neighbours_of(pairs.start[i], pairs.end[i]):
+        for k in neighbours_of(pairs, pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]
             xy = state.tension_xy[i] + state.tension_xy[j]
             ax += pairs.nearness[k] * ((state.tension_xx[i] + state.tension_xx[j]) * pairs.gx[k] + xy * pairs.gy[k])

@@ -43,9 +43,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit, neighbours_of
+from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
-from sph.solver.compiled.slots import slot
+from sph.solver.compiled.slots import neighbours_of, slot
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles, overburden
@@ -204,7 +204,7 @@ def add_unlike_gradients(interface: Interface | None, terms: Terms, state: State
 def _add_unlike_gradients(interface: Interface, terms: Terms, state: State, pairs: Pairs, i: int, sums: GradientSums) -> GradientSums:
     xx, xy, yx, yy, viscous_x, viscous_y = sums
     opening = 0.0
-    for k in neighbours_of(pairs.alike_end[i], pairs.end[i]):
+    for k in neighbours_of(pairs, pairs.alike_end[i], pairs.end[i]):
         j = pairs.neighbour[k]
         own, other = weights(interface, i, j)
         gx, gy = pairs.gx[k], pairs.gy[k]
@@ -240,7 +240,7 @@ def _add_unlike_stresses(
     ax, ay, viscous_x, viscous_y = sums
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = transposed_shear(terms.gradient_correction, state, i)
-    for k in neighbours_of(pairs.alike_end[i], pairs.end[i]):
+    for k in neighbours_of(pairs, pairs.alike_end[i], pairs.end[i]):
         j = pairs.neighbour[k]
         own, other = weights(interface, i, j)
         gx, gy = pairs.gx[k], pairs.gy[k]

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sph.solver.compiled.jit import jit, neighbours_of, rows
+from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.slots import neighbours_of
 from sph.solver.physics.artificial_viscosity import dissipation, viscous_acceleration
 from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.interface import add_unlike_gradients, add_unlike_stresses, alike_end
@@ -40,7 +41,7 @@ def velocity_gradients(state: State, pairs: Pairs, terms: Terms, gradient: np.nd
         vy_i = vy[i]
         xx = xy = yx = yy = 0.0
         viscous_x = viscous_y = 0.0
-        for k in neighbours_of(pairs.start[i], alike_end(interface, pairs, i)):
+        for k in neighbours_of(pairs, pairs.start[i], alike_end(interface, pairs, i)):
             j = pairs.neighbour[k]
             gx = pairs.gx[k]
             gy = pairs.gy[k]
@@ -72,7 +73,7 @@ def stress_accelerations(state: State, pairs: Pairs, terms: Terms, strain_rate: 
         ax = sxx[i] * whole_x + sxy[i] * whole_y
         ay = transposed_shear(correction, state, i) * whole_x + syy[i] * whole_y
         viscous_x = viscous_y = 0.0
-        for k in neighbours_of(pairs.start[i], alike_end(interface, pairs, i)):
+        for k in neighbours_of(pairs, pairs.start[i], alike_end(interface, pairs, i)):
             j = pairs.neighbour[k]
             gx = pairs.gx[k]
             gy = pairs.gy[k]

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import neighbours_of, rows
-from sph.solver.compiled.slots import slot
+from sph.solver.compiled.jit import rows
+from sph.solver.compiled.slots import neighbours_of, slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -68,7 +68,7 @@ def _add_repulsion(
 ) -> float:
     energy = 0.0
     for i in rows(first, last):
-        for k in neighbours_of(pairs.start[i], pairs.close_end[i]):
+        for k in neighbours_of(pairs, pairs.start[i], pairs.close_end[i]):
             j = pairs.close[k]
             dx = wrap(period, state.x[i] - state.x[j])
             dy = state.y[i] - state.y[j]
