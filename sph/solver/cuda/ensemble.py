@@ -6,7 +6,8 @@ a launch and comes back after it, into memory that the card reads and writes its
 know where it was made.  Lists of neighbours stay on the card.  What is seldom asked of them (the limit of the time step at frames) is
 made on the processor from the state, as by a restart.
 
-Only one of the threads that carry the runs is awake at a time: the others wait in ``advance``.
+Only one of the threads that carry the runs is awake at a time: it wakes the next when it waits in ``advance`` or is over, and the last
+one launches.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import functools
 import math
 import os
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
@@ -82,7 +84,7 @@ class CardSimulation(Simulation):
 
     def __init__(self, scene: Scene, ensemble: Ensemble, enforce_limit: bool = True) -> None:
         super().__init__(scene, 1, enforce_limit)
-        self.ensemble = ensemble
+        self.ensemble, self.place = ensemble, ensemble.turn
         self.listed = -1
         """step at which the processor's lists were made, in steps of the launch"""
         self.on_card = False
@@ -94,7 +96,7 @@ class CardSimulation(Simulation):
     def advance_steps(self, n_steps: int) -> tuple[int, int]:
         """Advance by a number of the scene's time steps; how many particles failed, and how many steps were made."""
         failed = np.count_nonzero(self.state.phase == FAILED)
-        done = self.ensemble.advance(self, self.step * self.substeps, n_steps * self.substeps)
+        done = self.ensemble.advance(self.place, self.step * self.substeps, n_steps * self.substeps)
         self.steps_made += done
         made = done // self.substeps
         self.step += made
@@ -129,46 +131,54 @@ class Ensemble:
 
     def __init__(self, size: int, threads: int | None = None, cuda: Any = None) -> None:
         self.cuda = card() if cuda is None else cuda
-        self.running, self.threads = size, threads or THREADS
-        self.turn = threading.Condition(threading.RLock())
-        """Held by the thread that is awake."""
+        self.threads = threads or THREADS
         self.members: list[Any] = [None] * size
+        self.batons = [threading.Semaphore(0) for _ in range(size)]
+        """what the thread of each run waits for"""
+        self.turn = 0
+        """the run whose thread is awake"""
+        self.ready: deque[int] = deque()
+        """runs that can go on, in turn"""
         self.asked: dict[int, tuple[int, int]] = {}
-        self.round = 0
         self.failure: BaseException | None = None
         self.kernel: Any = None
         self.run_pack: Any = None
         self.fixed_pack: Any = None
         self.list_pack: Any = None
-        self.room = self.blocks = 0
+        self.room = self.blocks = self.launched = 0
         self.rooms: list[int] = []
         """neighbours for whom a row has had room, in turn"""
         self.fixed_of: list[Any] = [None] * size
         self.records: list[Any] = [None] * size
         """what the card changes of each run: state and works, in the memory from which it is copied to the card"""
+        self.told: list[tuple[np.ndarray, Any]] = []
+        """what goes to and fro at each launch, here and on the card"""
         self.renewed = np.zeros((size, 2), np.int64)
         """how often pairs and candidates of each run have been renewed"""
 
     def simulation(self, scene: Scene, enforce_limit: bool = True) -> CardSimulation:
         """A scene's simulation that advances with the others."""
-        return CardSimulation(scene, self, enforce_limit)
+        self.members[self.turn] = made = CardSimulation(scene, self, enforce_limit)
+        return made
 
     def carry(self, calls: Sequence[Callable[[], Any]]) -> list[Any]:
         """Results of functions that run the members, one a member, in order; an exception of one is in its place."""
         found: list[Any] = [None] * len(calls)
 
         def run(number: int) -> None:
-            with self.turn:
-                try:
-                    found[number] = calls[number]()
-                except BaseException as error:
-                    found[number] = error
-                finally:
-                    self._leave()
+            self._wait(number)
+            try:
+                found[number] = calls[number]()
+            except BaseException as error:
+                found[number] = error
+            finally:
+                self._wake()
 
         carriers = [threading.Thread(target=run, args=(number,), daemon=True) for number in range(len(calls))]
         for carrier in carriers:
             carrier.start()
+        self.ready.extend(range(len(calls)))
+        self._wake()
         try:
             for carrier in carriers:
                 while carrier.is_alive():
@@ -179,38 +189,31 @@ class Ensemble:
         self._release()
         return found
 
-    def advance(self, member: CardSimulation, first: int, count: int) -> int:
-        """Steps that a member has made of ``count`` from step ``first`` on, once all have asked."""
-        with self.turn:
-            self.asked[self._place(member)] = first, count
-            place, this_round = self._place(member), self.round
-            if len(self.asked) == self.running:
-                self._serve()
-            else:
-                self.turn.wait_for(lambda: self.round != this_round or self.failure is not None)
-            if self.failure is not None:
-                raise RuntimeError(f"the runs on the card ended: {self.failure}") from self.failure
-            return int(self.done[place])
+    def advance(self, place: int, first: int, count: int) -> int:
+        """Steps that the run in a place has made of ``count`` from step ``first`` on, once all have asked."""
+        self.asked[place] = first, count
+        self._wake()
+        self._wait(place)
+        if self.failure is not None:
+            raise RuntimeError(f"the runs on the card ended: {self.failure}") from self.failure
+        return int(self.done[place])
 
-    def _place(self, member: CardSimulation) -> int:
-        if member not in self.members:
-            self.members[self.members.index(None)] = member
-        return self.members.index(member)
+    def _wait(self, place: int) -> None:
+        """Sleep until it is the turn of the run in a place."""
+        self.batons[place].acquire()
+        self.turn = place
 
-    def _leave(self) -> None:
-        """One run is over."""
-        self.running -= 1
-        if self.asked and len(self.asked) == self.running:
-            self._serve()
-
-    def _serve(self) -> None:
-        """Launch what all have asked for, and wake them."""
-        try:
-            self.done = self._advance()
-        except BaseException as error:
-            self.failure = error
-        self.asked, self.round = {}, self.round + 1
-        self.turn.notify_all()
+    def _wake(self) -> None:
+        """Wake the next run that can go on; where all have asked, launch, so that they can."""
+        if not self.ready and self.asked:
+            try:
+                self.done = self._advance()
+            except BaseException as error:
+                self.failure = error
+            self.ready.extend(self.asked)
+            self.asked = {}
+        if self.ready:
+            self.batons[self.ready.popleft()].release()
 
     # ------------------------------------------------------------ the card
 
@@ -249,7 +252,7 @@ class Ensemble:
         self._release()
         self.room = max(map(room_of, members))
         self.rooms.append(self.room)
-        self.blocks = blocks_of(members[0], self.threads)
+        self.blocks, self.launched = blocks_of(members[0], self.threads), 0
         wanted = packs(card_code, members[0], len(self.members), self.room, self.blocks * self.threads)
         check_memory(self.cuda, wanted, len(self.members))
         self.run_pack, self.fixed_pack, self.list_pack = wanted
@@ -263,12 +266,14 @@ class Ensemble:
         runs, cuda = len(self.members), self.cuda
         longest = int(asked[:, card_code.COUNT].max())
         changed = False
-        loads = np.zeros((runs, len(Loading._fields), longest + 1))
+        self._make_told(card_code, longest)
+        (here, _), (waits, _), (loads, _) = self.told
+        here[:], waits[:] = np.hstack((asked, np.zeros_like(asked))), 0
         for place in left:
             member = self.members[place]
             at = asked[place, card_code.FIRST] + np.arange(asked[place, card_code.COUNT] + 1)
             for row, history in enumerate(member.loading):
-                loads[place, row, : at.size] = history[at % history.size]  # the step before the first has the loads of NO_LOADING
+                history.take(at, out=loads[place, row, : at.size], mode="wrap")  # before the first step stand the loads of NO_LOADING
             if self.records[place] is None or member.state is not self.records[place].state:
                 self.records[place] = self.run_pack.views(place, run_record(card_code, member))
                 member.state = self.records[place].state
@@ -278,22 +283,29 @@ class Ensemble:
         if changed:
             self.fixed_pack.up()
         self.run_pack.up()
-        told = cuda.to_device(np.zeros((runs, 4), np.int64))
-        arguments = [cuda.to_device(asked), told, cuda.to_device(np.zeros((runs, card_code.FLAGS), np.uint32)),
-                     cuda.to_device(np.zeros(runs, np.uint32)), cuda.to_device(loads),
-                     *self.run_pack.card, *self.fixed_pack.card, *self.list_pack.card]  # fmt: skip
+        for array, there in self.told:
+            there.copy_to_device(array)
+        arguments = [*(there for _, there in self.told), *self.run_pack.card, *self.fixed_pack.card, *self.list_pack.card]
         if self.kernel is None:
             kernel = jitted(cuda, card_code.make_kernel(self.run_pack, self.fixed_pack, self.list_pack))
             self.kernel = kernel if simulated() else kernel.specialize(*arguments)
-        self.kernel[(self._blocks_a_run(), runs), self.threads](*arguments)
+        self.launched = self.launched or self._blocks_a_run()
+        self.kernel[(self.launched, runs), self.threads](*arguments)
         self.run_pack.down()
-        found = told.copy_to_host()
+        self.told[0][1].copy_to_host(here)
         for place in left:
             member, work = self.members[place], self.records[place].work
             member.on_card = True
             member.state.work[:REPULSION] += work[:REPULSION].sum(axis=1)
             member.state.work[REPULSION] = work[REPULSION].sum()
-        return found
+        return here
+
+    def _make_told(self, card_code: Any, steps: int) -> None:
+        """Room for what is asked and told of each run, for what its threads wait by, and for its loads."""
+        runs, cuda = len(self.members), self.cuda
+        if not self.told or self.told[-1][0].shape[-1] <= steps:
+            shapes = [((runs, 8), np.int64), ((runs, card_code.FLAGS), np.uint32), ((runs, len(Loading._fields), steps + 1), np.float64)]
+            self.told = [(cuda.pinned_array(shape, kind), cuda.device_array(shape, kind)) for shape, kind in shapes]
 
     def _blocks_a_run(self) -> int:
         """Blocks of a run: as many as its particles fill, and as many as fit on the card at once, since they wait for each other."""

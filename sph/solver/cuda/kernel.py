@@ -53,7 +53,7 @@ from sph.solver.terms import State, add_forces
 
 FIRST, COUNT, KICKED, BUILD = range(4)
 """Columns of what is asked of a run: first step, number of steps, whether the first one's drift is done, whether lists are to be made."""
-DONE, ENDED, RENEWED, FOUND = range(4)
+DONE, ENDED, RENEWED, FOUND = range(4, 8)
 """Columns of what is told of a run: steps made, why it ended, how often pairs and candidates were renewed."""
 FULL = 4
 """Why a run ended, beside ``HOLD`` (all steps made) and ``LOST``: its rows have no room for all neighbours."""
@@ -61,8 +61,10 @@ SEEN, FAR, GONE = np.uint32(1), np.uint32(2), np.uint32(4)
 """What a particle's move says: its pairs are due; its candidates would be; it has jumped too far or to NaN."""
 LANES = 32
 """Rows that lie side by side: those of the threads of a warp."""
-FLAGS = 4
-"""Flags of a run: what was seen in three steps in turn, and whether a row was full."""
+FULL_ROW, MET = 3, 16
+"""Flags of a run after those of what was seen in three steps in turn: whether a row was full, how many blocks have come to a meeting."""
+FLAGS = 32
+"""Words of a run's flags: no two runs wait by the same line of the cache."""
 
 
 class Member(NamedTuple):
@@ -173,15 +175,15 @@ def _column_of(period: Periodic, grid: Grid, reach: float, x: float) -> int:
 
 
 @cuda.jit(device=True)
-def meet(barrier, r, blocks, turn):
+def meet(flags, r, blocks, turn):
     """All threads of a run come here before any goes on; returns the number of the next meeting."""
     cuda.syncthreads()
     if blocks > 1:
         if cuda.threadIdx.x == 0:
             cuda.threadfence()
-            cuda.atomic.add(barrier, r, np.uint32(1))
+            cuda.atomic.add(flags, (r, MET), np.uint32(1))
             goal = np.uint32((turn + 1) * blocks)
-            while np.int32(cuda.atomic.add(barrier, r, np.uint32(0)) - goal) < 0:
+            while np.int32(cuda.atomic.add(flags, (r, MET), np.uint32(0)) - goal) < 0:
                 pass
             cuda.threadfence()
         cuda.syncthreads()
@@ -221,22 +223,22 @@ def fill_candidates(lists, grid, terms, x, y, i):
 
 
 @cuda.jit(device=True)
-def find_candidates(lists, grid, terms, state, flags, barrier, r, blocks, turn, rank, threads):
+def find_candidates(lists, grid, terms, state, flags, r, blocks, turn, rank, threads):
     """Candidates of a run at the places in its state; returns the number of the next meeting."""
     x, y = state.x_candidates, state.y_candidates
     n = x.size
     for c in range(rank, grid.columns * grid.rows, threads):
         lists.head[c] = -1
-    turn = meet(barrier, r, blocks, turn)
+    turn = meet(flags, r, blocks, turn)
     for i in range(rank, n, threads):
         row = min(max(int((y[i] - grid.y_min) / terms.reach), 0), grid.rows - 1)
         cell = column_of(terms.periodic, grid, terms.reach, x[i]) * grid.rows + row
         lists.following[i] = cuda.atomic.exch(lists.head, cell, np.int32(i))
-    turn = meet(barrier, r, blocks, turn)
+    turn = meet(flags, r, blocks, turn)
     for i in range(rank, n, threads):
         if fill_candidates(lists, grid, terms, x, y, i):
-            cuda.atomic.max(flags, (r, 3), np.uint32(1))
-    return meet(barrier, r, blocks, turn)
+            cuda.atomic.max(flags, (r, FULL_ROW), np.uint32(1))
+    return meet(flags, r, blocks, turn)
 
 
 @cuda.jit(device=True)
@@ -297,7 +299,7 @@ def take_force(run, pairs, terms, mass, member, i):
 
 
 @cuda.jit(device=True)
-def advance_run(run, fixed, lists, pairs, loading, asked, told, flags, barrier, blocks, r):
+def advance_run(run, fixed, lists, pairs, loading, asked, flags, blocks, r):
     """Advance a run by the steps that are asked for, as one of its threads.  ``loading`` begins with the first of them."""
     state, terms, mass, meets = run.state, fixed.terms, fixed.mass, fixed.meets
     first, count = asked[r, FIRST], asked[r, COUNT]
@@ -310,15 +312,15 @@ def advance_run(run, fixed, lists, pairs, loading, asked, told, flags, barrier, 
         for row in range(run.work.shape[0]):
             run.work[row, i] = 0.0
     if asked[r, BUILD] != 0:
-        turn = find_candidates(lists, fixed.grid, terms, state, flags, barrier, r, blocks, turn, rank, threads)
+        turn = find_candidates(lists, fixed.grid, terms, state, flags, r, blocks, turn, rank, threads)
         for i in range(rank, n, threads):
             start_pairs(terms.initial_arrangement, state, pairs, i, i + 1)
-        turn = meet(barrier, r, blocks, turn)
-        if flags[r, 3] != 0:
+        turn = meet(flags, r, blocks, turn)
+        if flags[r, FULL_ROW] != 0:
             ended, count = FULL, 0
         else:
             fill_rows(lists, terms, state, rank, threads)
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
     for s in range(first, first + count):
         slot_of_step = s % 3
         found = DUE
@@ -326,16 +328,16 @@ def advance_run(run, fixed, lists, pairs, loading, asked, told, flags, barrier, 
             loads = loads_of(loading, s - first)
             if meets.free_field:
                 kick_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, loads, member)
-                turn = meet(barrier, r, blocks, turn)
+                turn = meet(flags, r, blocks, turn)
             for i in range(rank, n, threads):
                 kick(run, terms, mass, loads, i)
             if meets.columns:
-                turn = meet(barrier, r, blocks, turn)
+                turn = meet(flags, r, blocks, turn)
             for i in range(rank, min(n, terms.n_moving), threads):
                 flag = look(state, pairs, terms, s, i)
                 if flag != 0:
                     cuda.atomic.or_(flags, (r, slot_of_step), flag)
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
             seen = flags[r, slot_of_step]
             if rank == 0:
                 flags[r, (s + 1) % 3] = 0  # read by all two steps ago, written by none before the next
@@ -352,10 +354,10 @@ def advance_run(run, fixed, lists, pairs, loading, asked, told, flags, barrier, 
             for i in range(rank, n, threads):
                 state.x_candidates[i] = state.x[i]
                 state.y_candidates[i] = state.y[i]
-            turn = meet(barrier, r, blocks, turn)
-            turn = find_candidates(lists, fixed.grid, terms, state, flags, barrier, r, blocks, turn, rank, threads)
+            turn = meet(flags, r, blocks, turn)
+            turn = find_candidates(lists, fixed.grid, terms, state, flags, r, blocks, turn, rank, threads)
             searched += 1
-            if flags[r, 3] != 0:
+            if flags[r, FULL_ROW] != 0:
                 ended = FULL
                 break
         if found != HOLD:
@@ -364,42 +366,42 @@ def advance_run(run, fixed, lists, pairs, loading, asked, told, flags, barrier, 
                 dt = terms.dt if i < terms.n_moving else 0.0
                 state.x_pairs[i], state.y_pairs[i] = place_of_pairs(terms.initial_arrangement, state, dt, i)
                 state.density_pairs[i] = state.density[i]
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
             fill_rows(lists, terms, state, rank, threads)
             renewed += 1
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
         strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, member)
         if meets.mirror:
             for i in range(rank, n, threads):
                 mirror_velocity(terms.free_slip, state, pairs, terms.n_soil, i, i + 1, member)
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
         if meets.interface:
             for i in range(rank, n, threads):
                 weigh_soils(terms.interface, terms, state, pairs, i, i + 1, member)
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
         for i in range(rank, n, threads):
             velocity_gradients(state, pairs, terms, member.gradient, i, i + 1)
             keep_strain_rate(terms.residual_viscosity, pairs, state.density, member.gradient, member.strain_rate, i, i + 1)
-        turn = meet(barrier, r, blocks, turn)
+        turn = meet(flags, r, blocks, turn)
         time = loading.time[s - first + 1]
         for i in range(rank, n, threads):
             take_stress(run, pairs, terms, time, member, i)
-        turn = meet(barrier, r, blocks, turn)
+        turn = meet(flags, r, blocks, turn)
         if meets.mirror:
             for i in range(rank, n, threads):
                 mirror_stress(terms.free_slip, state, pairs, terms.n_soil, i, i + 1, member)
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
         for i in range(rank, n, threads):
             take_force(run, pairs, terms, mass, member, i)
-        turn = meet(barrier, r, blocks, turn)
+        turn = meet(flags, r, blocks, turn)
         if meets.averages:
             for i in range(rank, terms.n_soil, threads):
                 average_plastic_strain(terms.slip, state, i, i + 1)
                 average_seams(terms.seams, state, pairs, i, i + 1)
-            turn = meet(barrier, r, blocks, turn)
+            turn = meet(flags, r, blocks, turn)
         done += 1
     if rank == 0:
-        told[r, DONE], told[r, ENDED], told[r, RENEWED], told[r, FOUND] = done, ended, renewed, searched
+        asked[r, DONE], asked[r, ENDED], asked[r, RENEWED], asked[r, FOUND] = done, ended, renewed, searched
 
 
 def make_kernel(run: Pack, fixed: Pack, lists: Pack) -> Any:
@@ -409,10 +411,10 @@ def make_kernel(run: Pack, fixed: Pack, lists: Pack) -> Any:
     at = lists.sources
     laid = ", ".join(at.get(f"own.{name}", at[f"pairs.{name}"]) for name in Pairs._fields)
     source = f"""
-def advance_runs(asked, told, flags, barrier, loads, {", ".join(names)}):
+def advance_runs(asked, flags, loads, {", ".join(names)}):
     r = cuda.blockIdx.y
     if asked[r, {COUNT}] > 0 or asked[r, {BUILD}] != 0:
-        advance_run({run.source}, {fixed.source}, {lists.source}, Laid({laid}), {loading}, asked, told, flags, barrier, cuda.gridDim.x, r)
+        advance_run({run.source}, {fixed.source}, {lists.source}, Laid({laid}), {loading}, asked, flags, cuda.gridDim.x, r)
 """
     space = {"cuda": cuda, "advance_run": advance_run, "Loading": Loading, "Laid": Laid, **run.classes, **fixed.classes, **lists.classes}
     return _kernel(source, tuple(space.items()))
