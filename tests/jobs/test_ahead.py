@@ -13,8 +13,9 @@ from sph.jobs import simulation
 from sph.jobs.ahead import Task, finished, take_up
 from sph.jobs.log import read_log
 from sph.jobs.simulation import work
+from sph.scene.schema import Scene
 from sph.storage.files import alone
-from sph.study.planned import Planned, planned
+from sph.study.planned import planned
 from sph.study.runs import SIMULATION
 
 
@@ -30,6 +31,7 @@ def tasks(folder: Path, small_slope: SceneBuilder, **amplitudes: float) -> list[
             SIMULATION,
             False,
             True,
+            "cpu",
             f"digest-{name}",
         )
         for name, amplitude in amplitudes.items()
@@ -41,10 +43,10 @@ def test_what_is_made_ahead_is_taken_up(tmp_path: Path, small_slope: SceneBuilde
     fails = fails._replace(restart=str(tmp_path / "missing.nc"))
     simulate = simulation.simulate
 
-    def own_job_begins(planned: Planned, task: Task, *rest: Any) -> None:
+    def own_job_begins(scene: Scene, task: Task, *rest: Any) -> None:
         if task is other:
             Path(task.log).unlink()  # by Snakemake; that job then waits for this one
-        simulate(planned, task, *rest)
+        simulate(scene, task, *rest)
 
     monkeypatch.setattr(simulation, "simulate", own_job_begins)
     with alone(Path(held.file), "job"):
@@ -71,10 +73,10 @@ def test_a_killed_job_has_lost_nothing_that_it_had_finished(
     own, other, meanwhile, last = tasks(tmp_path, small_slope, own=1.0, other=2.0, meanwhile=3.0, last=4.0)
     make = simulation.make
 
-    def killed_at_last(task: Task, threads: int) -> None:
+    def killed_at_last(task: Task, *rest: Any) -> None:
         if task is last:
             raise KeyboardInterrupt
-        make(task, threads)
+        make(task, *rest)
         Path(meanwhile.file).touch()  # by its own job, which another core had time for
 
     monkeypatch.setattr(simulation, "make", killed_at_last)
