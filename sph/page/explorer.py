@@ -123,9 +123,9 @@ def run_data(
     run: Run, probe: str, detail: Detail, shared: Mapping[str, Any], places: Mapping[str, PlaceAt] | None = None
 ) -> dict[str, Any]:
     """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``shares``
-    (frames, particles) of the fields ``SHARES`` that it stores, ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
-    picture and ``largest`` displacement (m) of a particle, empty and 0 for a diverged run;
-    ``reason`` of its status; ``liquefied``: what of its layers has, in words; ``own``: its surroundings where they differ from the ``shared`` ones."""
+    (frames, particles) of the fields ``SHARES`` that it stores, ``curve`` (3, samples): time (s), horizontal and vertical displacement (m)
+    of the probe; ``limits`` (m) of the picture and ``largest`` displacement (m) of a particle, empty and 0 for a diverged run; ``reason``
+    of its status; ``liquefied``: what of its layers has, in words; ``own``: its surroundings where they differ from the ``shared`` ones."""
     surroundings = surroundings_of(run, places)
     quanta = Quanta(np.array(surroundings["middle"]), surroundings["quantum"])
     history = run.history(probe)
