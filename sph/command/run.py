@@ -117,7 +117,7 @@ def stopped_at(earlier: Group | None) -> Until:
 
 def compare(earlier: Group, again: Group, path: Path) -> str:
     """Whether a repeated run has the bits of the earlier one, in words; if not, what was not the same."""
-    names = [row.name for row in trajectory.VARIABLES]
+    names = [name for name in trajectory.BY_NAME if name in again]
     differ = [name for name in names if name not in earlier or not _same(earlier[name].values, again[name].values)]
     if not differ:
         return f"every variable is identical to that of {path}, bit for bit"

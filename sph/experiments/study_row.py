@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sph.checks.after_run import after_run
+from sph.checks.after_run import after_run, liquefied
 from sph.experiments.variants.advice import expected_metrics
 from sph.experiments.variants.design import scheme, settings_text
 from sph.experiments.variants.likeness import unlike
@@ -28,5 +28,5 @@ def run_values(run: Run, settings: MetricSettings, yield_acceleration: float) ->
 def measured(run: Run, settings: MetricSettings) -> dict[str, Value]:
     """Metrics of a run, and the codes of the findings before and after it."""
     values = measure(run, settings)
-    found = [*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in after_run(run.scene, values))]
+    found = [*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in [*after_run(run.scene, values), *liquefied(run)])]
     return values | {FINDINGS.name: " ".join(found)}

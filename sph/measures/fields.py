@@ -83,6 +83,9 @@ FIELDS: dict[str, Field] = {
     "mobilised": Field("mobilised share of the peak strength", "-", mobilised),
 }
 
+SHARES = ("beta", "pore_pressure_ratio")
+"""Fields between 0 and 1 that runs store, under the same names, and the page's explorer can show in the colours of the soil."""
+
 
 def check_field(name: str) -> None:
     """ValueError for a name that ``FIELDS`` lacks."""

@@ -16,7 +16,7 @@ from pyevtk.hl import pointsToVTK
 from pyevtk.vtk import VtkGroup
 
 from sph.storage.files import unwritable
-from sph.storage.trajectory import FRAME, VARIABLES, Variable
+from sph.storage.trajectory import BY_NAME, FRAME, Variable
 
 PARTICLE_ID = "particle"
 """Name of the index of a particle, the same in every frame."""
@@ -30,9 +30,10 @@ def data_name(variable: Variable) -> str:
 
 def point_data(trajectory: xr.Dataset, frame: int) -> dict[str, np.ndarray | tuple[np.ndarray, ...]]:
     """All data of the particles in a frame by name: arrays (particles,), vectors as three of them; places excepted."""
-    values = {v.name: _of(trajectory, v, frame) for v in VARIABLES if v.dims in (FRAME, ("particle",)) and v.name not in ("x", "y")}
+    stored = [variable for name, variable in BY_NAME.items() if name in trajectory and name not in ("x", "y")]
+    values = {variable.name: _of(trajectory, variable, frame) for variable in stored if variable.dims in (FRAME, ("particle",))}
     data: dict[str, np.ndarray | tuple[np.ndarray, ...]] = {PARTICLE_ID: np.arange(trajectory.sizes["particle"], dtype="i4")}
-    for variable in VARIABLES:
+    for variable in stored:
         x, y = variable.name, f"{variable.name.removesuffix('_x')}_y"
         if x in values and x.endswith("_x") and y in values:
             data[data_name(variable)] = (values.pop(x), values[y], np.zeros_like(values.pop(y)))
@@ -52,7 +53,7 @@ def export_paraview(trajectory: xr.Dataset, folder: Path, name: str) -> Path:
             stem = str(Path(temporary, name).resolve())
             group, zeros = VtkGroup(stem), np.zeros(trajectory.sizes["particle"], trajectory["x"].dtype)
             for frame, time in enumerate(trajectory["time"].values):
-                x, y = (_of(trajectory, variable, frame) for variable in VARIABLES if variable.name in ("x", "y"))
+                x, y = (_of(trajectory, BY_NAME[axis], frame) for axis in ("x", "y"))
                 written = pointsToVTK(f"{stem}_{frame:04d}", x, y, zeros, point_data(trajectory, frame))
                 group.addFile(written, float(time))
             group.save()

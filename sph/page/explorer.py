@@ -1,8 +1,8 @@
 """The runs as the page holds them: positions of the soil over time, quantised, and the motion of the probe.
 
 Positions are whole numbers of a quantum (``QUANTA`` to a spacing) from the middle of the picture, 16 bit, of which each frame holds the
-difference from the one before; this and the weight of the solid state, 8 bit, are compressed (zlib) and written in base64.  What is not a
-number or lies outside the range is ``LOST``.  Frames begin at the end of the gravity stage, from which displacements count.
+difference from the one before; these and the fields ``sph.measures.fields.SHARES``, 8 bit, are compressed (zlib) and written in base64.
+What is not a number or lies outside the range is ``LOST``.  Frames begin at the end of the gravity stage, from which displacements count.
 """
 
 from __future__ import annotations
@@ -16,8 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.colors import to_hex
 
+from sph.checks.after_run import liquefied
+from sph.checks.messages import sentence
 from sph.figures.profile import frame_limits, layer_outlines, surface_line
 from sph.figures.style import soil_colours
+from sph.measures.fields import FIELDS, SHARES
 from sph.measures.places import PlaceAt, foot_of
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES
@@ -86,6 +89,7 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int, places: Mapping
         "right": seen[:, 1].max(),
         "lower": seen[:, 2].min(),
         "upper": seen[:, 3].max(),
+        "shares": {name: FIELDS[name].label for name in SHARES if any(name in run["shares"] for run in runs)},
         "start": min((run["times"][0] for run in runs), default=0.0),
         "end": max((run["times"][-1] for run in runs), default=0.0),
         "largest": max((run["largest"] for run in runs), default=0.0),
@@ -118,10 +122,10 @@ def surroundings_of(run: Run, places: Mapping[str, PlaceAt] | None = None) -> di
 def run_data(
     run: Run, probe: str, detail: Detail, shared: Mapping[str, Any], places: Mapping[str, PlaceAt] | None = None
 ) -> dict[str, Any]:
-    """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
-    (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
-    picture and ``largest`` displacement (m) of a particle, empty and 0 for a diverged run;
-    ``reason`` of its status; ``own``: its surroundings where they differ from the ``shared`` ones."""
+    """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``shares``
+    (frames, particles) of the fields ``SHARES`` that it stores, ``curve`` (3, samples): time (s), horizontal and vertical displacement (m)
+    of the probe; ``limits`` (m) of the picture and ``largest`` displacement (m) of a particle, empty and 0 for a diverged run; ``reason``
+    of its status; ``liquefied``: what of its layers has, in words; ``own``: its surroundings where they differ from the ``shared`` ones."""
     surroundings = surroundings_of(run, places)
     quanta = Quanta(np.array(surroundings["middle"]), surroundings["quantum"])
     history = run.history(probe)
@@ -131,7 +135,7 @@ def run_data(
     soil = np.flatnonzero(run.soil)
     shown = np.concatenate([[at], soil[soil != at][:: detail.particles]])
     positions = np.stack([run[name][np.ix_(frames, shown)].astype(float) for name in ("x", "y")], axis=1)
-    beta = np.nan_to_num(run["beta"][np.ix_(frames, shown)], nan=0.0)
+    shares = {name: np.nan_to_num(run[name][np.ix_(frames, shown)], nan=0.0) for name in SHARES if name in run.stored}
     every = slice(None, None, -max(1, (history.time.size - 1) // SAMPLES))
     curve = np.stack([values[every][::-1] for values in (history.time, history.displacement_horizontal, history.displacement_vertical)])
     diverged = run.status == Status.DIVERGED
@@ -141,10 +145,11 @@ def run_data(
         "largest": 0.0 if diverged else float(np.nanmax(moved)),
         "own": {name: value for name, value in surroundings.items() if value != shared[name]},
         "reason": str(run.attrs["status_reason"]),
+        "liquefied": [sentence(found, keys=False) for found in liquefied(run)],
         "times": np.round(run["time"][frames], 6).tolist(),
         "particles": int(shown.size),
         "positions": packed(quantised(positions, quanta)),
-        "beta": packed(np.round(255 * np.clip(beta, 0.0, 1.0)).astype(np.uint8)),
+        "shares": {name: packed(np.round(255 * np.clip(values, 0.0, 1.0)).astype(np.uint8)) for name, values in shares.items()},
         "curve": base64.b64encode(zlib.compress(curve.astype("<f4").tobytes(), 9)).decode(),
     }
 

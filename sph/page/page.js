@@ -25,8 +25,9 @@
 
   async function loaded(run) {
     const scene = { ...study, ...run.own };
-    const [positions, beta, curve] = await Promise.all([run.positions, run.beta, run.curve].map(unpacked));
+    const [positions, curve, ...parts] = await Promise.all([run.positions, run.curve, ...Object.values(run.shares)].map(unpacked));
     const n = run.particles, frames = run.times.length;
+    const shares = Object.fromEntries(Object.keys(run.shares).map((name, i) => [name, summed(new Uint8Array(parts[i]), n)]));
     const places = summed(new Int16Array(positions), 2 * n), samples = new Float32Array(curve);
     const count = samples.length / 3;
     const moved = new Float32Array(frames * n).fill(NaN); // displacement since the first frame kept, the end of the gravity stage
@@ -37,7 +38,7 @@
       }
     }
     return {
-      n, scene, times: run.times, places, moved, beta: summed(new Uint8Array(beta), n),
+      n, scene, times: run.times, places, moved, shares,
       t: samples.subarray(0, count), u: samples.subarray(count, 2 * count), v: samples.subarray(2 * count),
     };
   }
@@ -107,11 +108,11 @@
 
   // What colours the soil: value of a particle in the frame, end of the scale, its name.
   function colouring(frame) {
-    const { n, moved, beta } = chosen.run;
-    if (form.elements.colour.value === "beta") {
-      return { of: (i) => beta[n * frame + i] / 255, end: 1, name: "weight of the solid state β (1: solid, 0: fluid)" };
+    const { n, moved, shares } = chosen.run, wanted = form.elements.colour.value;
+    if (wanted in study.shares) { // a run that does not have it has none of it
+      return { of: (i) => (shares[wanted] ? shares[wanted][n * frame + i] / 255 : 0), end: 1, name: study.shares[wanted] };
     }
-    const own = largest(moved), end = form.elements.colour.value === "common" ? study.largest : own;
+    const own = largest(moved), end = wanted === "common" ? study.largest : own;
     return { of: (i) => moved[n * frame + i], end: Math.max(end, 0.1), name: "displacement (m)" };
   }
 
@@ -294,6 +295,7 @@
     const numbers = study.numbers.map((name) => [name, named[name]]);
     byId("title").textContent = title;
     byId("class").textContent = named.class;
+    if (run) numbers.push(...run.liquefied.map((told) => ["liquefaction", told]));
     if (unshaken) numbers.unshift(["without shaking", `soil fails and softens before the shaking${run ? `: ${run.reason}` : ""}`]);
     byId("result").className = diverged || unshaken ? "bad" : "";
     list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no results. The drawing shows what was stored until then.`]] : numbers, "span");
@@ -360,6 +362,8 @@
     slider.value = wasAtEnd ? slider.max : run.times.filter((time) => time <= before).length - 1;
     return draw();
   }
+
+  for (const [name, words] of Object.entries(study.shares)) form.elements.colour.add(new Option(words, name));
 
   // Only the runs of a list whose words hold all those wanted.
   const find = byId("find"), all = find ? [...form.elements.run.options] : [];

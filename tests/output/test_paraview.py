@@ -24,9 +24,10 @@ def noisy(slid: Run) -> xr.Dataset:
     for variable in VARIABLES:
         if variable.dims == FRAME and variable.dtype == "f4":
             slid[variable.name][:] = generator.normal(size=slid[variable.name].shape).astype("f4")
+    ratio = slid.trajectory["beta"].copy(data=generator.random(slid["beta"].shape).astype("f4"))
     slid["t_f"][:] = generator.normal(size=slid.soil.size)
     slid["t_f"][7], slid["x"][-1, 3] = np.nan, np.inf
-    return slid.trajectory.isel(frame=slice(0, 3))
+    return slid.trajectory.assign(pore_pressure_ratio=ratio).isel(frame=slice(0, 3))
 
 
 @pytest.mark.crosscheck
@@ -44,7 +45,7 @@ def test_every_number_is_read_back_as_it_is(tmp_path: Path, noisy: xr.Dataset) -
             variable = BY_NAME[name.partition(" ")[0]]
             assert name == (variable.name if variable.units == "1" else f"{variable.name} ({variable.units})")
             found[variable.name] = values
-        wanted = {row.name for row in VARIABLES if row.dims in (FRAME, ("particle",))}
+        wanted = {name for name, row in BY_NAME.items() if row.dims in (FRAME, ("particle",))}
         assert set(found) == wanted | {"zero"}
         for name in wanted:
             stored = noisy[name].values[frame] if BY_NAME[name].dims == FRAME else noisy[name].values

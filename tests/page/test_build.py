@@ -17,16 +17,18 @@ import pandas as pd
 import pytest
 from made import FOLDER, RIGHT, TITLE, listed_study, made_study
 from PIL import Image
+from synthetic import synthetic
 
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
+from sph.measures.fields import FIELDS as PARTICLE_FIELDS
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.output.run import Run
 from sph.page.answer import FINDINGS, going, levels, limit, searched, unshaken
 from sph.page.build import StudyFiles, build_page, write_page
-from sph.page.explorer import DETAILS, LOST
+from sph.page.explorer import DETAILS, LOST, explorer
 from sph.page.sections import DOCS, existing
 from sph.page.tables import chosen_keys, csv_table, layer_table, metres, scene_table, short
 from sph.scene.gravity import GRAVITY
@@ -185,7 +187,7 @@ def test_positions_come_back_to_half_a_quantum(study: StudyFiles) -> None:
         there = data["middle"][axis] + data["quantum"] * numbers[:, axis]
         np.testing.assert_allclose(there, run[name][frames][:, order], atol=0.51 * data["quantum"])
     assert data["quantum"] == pytest.approx(2.5 / 200)
-    np.testing.assert_array_equal(unpacked(held["beta"], "u1", len(order)), 255)
+    np.testing.assert_array_equal(unpacked(held["shares"]["beta"], "u1", len(order)), 255)
     time, horizontal, vertical = np.frombuffer(zlib.decompress(base64.b64decode(held["curve"])), "<f4").reshape(3, -1)
     end = [run[f"probe_displacement_{axis}"][-1, 0] for axis in ("x", "y")]
     assert (time[-1], horizontal[-1], vertical[-1]) == pytest.approx((15.0, *end)) and end[0] < -5.0
@@ -203,7 +205,8 @@ def test_the_runs_are_kept_in_the_detail_that_fits(study: StudyFiles) -> None:
     whole = build_page(study)
     data = Words(whole).runs
     assert data["detail"] == DETAILS[0].words()
-    packed = sum(len(point["run"][name]) for point in data["points"].values() for name in ("positions", "beta", "curve"))
+    runs = [point["run"] for point in data["points"].values()]
+    packed = sum(len(run["positions"]) + len(run["curve"]) + len(run["shares"]["beta"]) for run in runs)
     largest = len(whole) - packed // 3
     tight = build_page(study, largest=largest)
     assert len(tight) <= largest
@@ -492,3 +495,23 @@ def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: Stu
         assert key in own and key not in client, key
     signed = Words(build_page(study._replace(client=True, project="Road 7", author="A. Geologist"))).text
     assert f"Road 7 · A. Geologist · {datetime.date.today().isoformat()}" in signed
+
+
+def test_a_run_with_liquefied_sand_says_so_and_shows_its_pore_pressure(tmp_path: Path) -> None:
+    sand = {"soil": {"blow_count": 10.0}, "water": {"pressure": "carried", "level": 10.0, "excess_pressure": {"liquefaction": {}}}}
+    dry = synthetic(overrides={"numerics": {"spacing": 2.5}})
+    ratio, wet = np.zeros(dry["beta"].shape), dry.soil & (dry["y0"] < 10.0)
+    times = np.where(wet & (np.arange(wet.size) % 2 == 0), 5.0, np.nan)
+    ratio[10:, wet] = 0.6
+    liquefied = synthetic(overrides={"numerics": {"spacing": 2.5}} | sand, pore_pressure_ratio=ratio, t_f=times)
+    for name, run in {"dry": dry, "liquefied": liquefied}.items():
+        run.attrs["particle_steps"] = 1
+        trajectory.write(tmp_path / f"{name}.nc", run.trajectory)
+    shown = explorer([tmp_path / "liquefied.nc", tmp_path / "dry.nc"], "A", 10**7)
+    assert list(shown["shares"].items()) == [(name, PARTICLE_FIELDS[name].label) for name in ("beta", "pore_pressure_ratio")]
+    held, other = shown["runs"]
+    packed = unpacked(held["shares"]["pore_pressure_ratio"], "u1", held["particles"]).reshape(len(held["times"]), -1)
+    assert set(packed[-1]) == {0, 153} and np.mean(packed[-1] > 0) == pytest.approx(np.mean(wet[dry.soil]), abs=0.01), "0.6 of 255"
+    assert held["liquefied"] == ["soil has liquefied: 50 % of its sand below water, half of that by 5 s, the first at 5 s"]
+    assert list(other["shares"]) == ["beta"] and other["liquefied"] == []
+    assert list(explorer([tmp_path / "dry.nc"], "A", 10**7)["shares"]) == ["beta"]

@@ -188,18 +188,56 @@ def test_liquefied_sand_keeps_its_residual_strength() -> None:
     assert fails(other.term, other.state, PARTICLE, True) and not fails(other.term, other.state, PARTICLE, False)
 
 
+def sheared_by_stress(blow_count: float, modulus: float = 1.0, exponent: float = 0.5) -> list[float]:
+    """r_u after every half cycle at a cyclic stress ratio of the cyclic resistance, as long as the element can bear that stress.
+
+    ``modulus`` is M_r over that of the skeleton.
+    """
+    sample, stress = Sample(blow_count, exponent), cyclic_resistance(blow_count) * VERTICAL
+    sample.term.modulus[:] *= modulus
+    ratios, strain, sign = [0.0], 0.0, 1.0
+    while stress < VERTICAL * (1.0 - sample.ratio) * math.sin(math.radians(35.0)) and len(ratios) < 200:
+        peak = sign * stress / sample.material.shear_modulus
+        sample.cycle(np.array([strain, peak, 0.5 * peak]))
+        ratios, strain, sign = [*ratios, sample.ratio], 0.5 * peak, -sign
+    return ratios
+
+
+def cycles(ratios: list[float]) -> float:
+    """Cycles of a history of r_u."""
+    return 0.5 * (len(ratios) - 1)
+
+
 def test_cycles_to_liquefaction_at_the_cyclic_resistance() -> None:
     # The curve of resistance is for 15 cycles (magnitude 7.5, 1 atm).  Nothing in the law is fitted to it; the band is a factor of three.
-    found = {}
-    for blow_count in (8.0, 10.0, 15.0, 20.0):
-        sample, stress = Sample(blow_count), cyclic_resistance(blow_count) * VERTICAL
-        half_cycles, strain, sign = 0, 0.0, 1.0
-        while stress < VERTICAL * (1.0 - sample.ratio) * math.sin(math.radians(35.0)) and half_cycles < 200:
-            peak = sign * stress / sample.material.shear_modulus
-            sample.cycle(np.array([strain, peak, 0.5 * peak]))
-            half_cycles, strain, sign = half_cycles + 1, 0.5 * peak, -sign
-        found[blow_count] = 0.5 * half_cycles
-    assert all(5.0 <= cycles <= 45.0 for cycles in found.values()), found
+    found = {blow_count: cycles(sheared_by_stress(blow_count)) for blow_count in (8.0, 10.0, 15.0, 20.0)}
+    assert all(5.0 <= number <= 45.0 for number in found.values()), found
+    # Five blows are outside the band, as the page on water tells.  The modulus of rebound is the cause: C1 grows faster towards few blows
+    # than the resistance falls, and the skeleton's modulus at small strain is too large for sand that compacts by tenths of a per cent.
+    assert cycles(sheared_by_stress(5.0)) == cycles(sheared_by_stress(5.0, exponent=0.0)) - 0.5 == 4.0
+    assert cycles(sheared_by_stress(5.0, modulus=0.5)) == 11.0
+
+
+def seed(share: float) -> float:
+    """r_u after a share of the cycles to liquefaction: Seed, Martin and Lysmer (1975), with the mean exponent of 0.7."""
+    return 0.5 + math.asin(2.0 * share ** (1.0 / 0.7) - 1.0) / math.pi
+
+
+@pytest.mark.parametrize("blow_count", [5.0, 10.0, 20.0])
+def test_pressure_rises_as_in_a_test_of_known_cycles(blow_count: float) -> None:
+    # Where a cyclic test gives the number of cycles, M_r can be chosen so that the law needs as many; between start and end r_u is then to
+    # be that of Seed's curve within 0.2.
+    values = [round(seed(share), 3) for share in (0.1, 0.25, 0.5, 0.75, 0.9)]
+    assert values == [0.124, 0.242, 0.417, 0.606, 0.756]
+    low, high = 0.1, 4.0
+    for _ in range(8):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if cycles(sheared_by_stress(blow_count, middle)) > 15.0 else (low, middle)
+    ratios = sheared_by_stress(blow_count, high)
+    assert cycles(ratios) == pytest.approx(15.0, abs=0.5)
+    shares = np.linspace(0.0, 1.0, len(ratios))
+    for share in (0.1, 0.25, 0.5, 0.75):
+        assert np.interp(share, shares, ratios) == pytest.approx(seed(share), abs=0.2)
 
 
 def test_coefficients_of_a_scene() -> None:
