@@ -1,9 +1,8 @@
 """Tables of every key, variable and command, made from their declarations, and of what was measured for this release.
 
 ``python -m tools.reference NAME`` prints a table.  A page of ``docs`` has that command in place of the table, which is made with the
-site (``snakemake docs``) and not kept.  The shorter tables of what was measured are kept, between marks, ``<!-- sph reference NAME -->``
-and ``<!-- end -->``; without a name the command fills them again in ``README.md`` and ``docs`` and writes the schemas in
-``config/schemas``.  A test fails where one differs.
+site (``snakemake docs``) and not kept.  Those of ``README.md`` are kept, between marks, ``<!-- sph reference NAME -->`` and
+``<!-- end -->``; without a name the command fills them again and writes the schemas in ``config/schemas``.  A test fails where one differs.
 """
 
 from __future__ import annotations
@@ -628,5 +627,5 @@ if __name__ == "__main__":
     if not sys.argv[1:]:
         for name in MODELS:
             schema_file(name).write_text(schema_text(name), encoding="utf-8")
-        for path in [Path("README.md"), *Path("docs").rglob("*.md")]:
-            path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+        readme = Path("README.md")
+        readme.write_text(filled(readme.read_text(encoding="utf-8")), encoding="utf-8")
