@@ -1,9 +1,8 @@
 """Tables of every key, variable and command, made from their declarations, and of what was measured for this release.
 
 ``python -m tools.reference NAME`` prints a table.  A page of ``docs`` has that command in place of the table, which is made with the
-site (``snakemake docs``) and not kept.  The shorter tables of what was measured are kept, between marks, ``<!-- sph reference NAME -->``
-and ``<!-- end -->``; without a name the command fills them again in ``README.md`` and ``docs`` and writes the schemas in
-``config/schemas``.  A test fails where one differs.
+site (``snakemake docs``) and not kept.  Those of ``README.md`` are kept, between marks, ``<!-- sph reference NAME -->`` and
+``<!-- end -->``; without a name the command fills them again and writes the schemas in ``config/schemas``.  A test fails where one differs.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ from sph.experiments.variants.figures_robustness import REFUSED
 from sph.experiments.variants.robustness import read_robustness
 from sph.experiments.variants.schema import FIDELITY, TIME_STEP, Variants
 from sph.experiments.variants.second_spacing import spacing_columns
-from sph.experiments.variants.table import QUANTITIES, Summary, summary
+from sph.experiments.variants.table import Summary, summary
 from sph.measures.places import place_columns
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene, load_scene
@@ -125,26 +124,6 @@ def variant_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         errors = ("reference", "reference") if variant.reference else _errors(variant)
         speed = f"{variant.particle_steps_per_second / 1e6:.1f} M"
         yield variant.name, speed, f"{variant.cost:.3g} s", *errors, f"{variant.classes_agree} of {variant.cases}"
-
-
-def fidelity_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a cost-accuracy study."""
-    fidelities = table[table["parameter"] == FIDELITY]
-    for variant in summary(fidelities):
-        own = fidelities[fidelities["variant"] == variant.variant]
-        values = [" / ".join(f"{value:.3g}" for value in own[metric]) + " m" for metric in QUANTITIES.values()]
-        baseline = " / ".join(advice.percent(error) for error in variant.baseline_errors.values())
-        yield variant.variant, f"{variant.cost:.3g} s", *values, *_errors(variant), baseline, f"{variant.classes_agree} of {variant.cases}"
-
-
-def resolved_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (fidelity, spacing, time of a run, A's displacement in each case, errors, class) of the scheme of one's own slopes."""
-    fidelities = table[table["parameter"] == FIDELITY]
-    for variant in summary(fidelities):
-        own = fidelities[fidelities["variant"] == variant.variant]
-        values = " / ".join(f"{value:.3g}" for value in own["displacement_magnitude"]) + " m"
-        classes = f"{variant.classes_agree} of {variant.cases}"
-        yield variant.variant, f"{own['spacing'].iloc[0]:g} m", f"{variant.cost:.3g} s", values, *_errors(variant), classes
 
 
 def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]], scheme: str = "paper") -> Reference:
@@ -431,19 +410,6 @@ SWEEP_HEAD = (
 OUTCOME_HEAD = ("section", "settings", "sound", "diverged", "failed under gravity alone, unlike at shorter steps", "refused")
 STEP_HEAD = ("scheme", "largest sound step over the limit", "first that is too long")
 VARIANT_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "same class as the reference")
-FIDELITY_ERROR_HEAD = (
-    "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
-    "same class as the reference",
-)  # fmt: skip
-RESOLVED_HEAD = (
-    "fidelity",
-    "spacing",
-    "one run",
-    "A's displacement",
-    "A's displacement within",
-    "run-out within",
-    "same class as the reference",
-)
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
 RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", "measured at 6 m/s²")
 SLIP_CASES = ("2.5 m", "5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
@@ -581,9 +547,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
     "commands": lambda: Reference((), [], commands_text()),
     "schemes": _schemes_table,
-    "fidelity_errors": lambda: measured(FIDELITY_ERROR_HEAD, fidelity_rows),
     "cost-accuracy": lambda: measured(VARIANT_HEAD, variant_lines),
-    "resolved": lambda: measured(RESOLVED_HEAD, resolved_lines, "resolved"),
     "resolution": lambda: measured(VARIANT_HEAD, variant_lines, "resolved"),
 }
 """The tables by name."""
@@ -663,5 +627,5 @@ if __name__ == "__main__":
     if not sys.argv[1:]:
         for name in MODELS:
             schema_file(name).write_text(schema_text(name), encoding="utf-8")
-        for path in [Path("README.md"), *Path("docs").rglob("*.md")]:
-            path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+        readme = Path("README.md")
+        readme.write_text(filled(readme.read_text(encoding="utf-8")), encoding="utf-8")

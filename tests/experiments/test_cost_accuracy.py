@@ -475,14 +475,12 @@ class TestExpectedError:
 
 class TestReference:
     def test_the_tables_of_the_readme_come_from_the_shipped_table(self, shipped: Path) -> None:
-        variants, fidelities = markdown(TABLES["cost-accuracy"]()), markdown(TABLES["fidelity_errors"]())
+        variants = markdown(TABLES["cost-accuracy"]())
         assert "| `spacing: 3 m` | 10.0 M | 4.4 s | 9 % | 8.2 % | 2 of 2 |" in variants and "test machine, 2 cores" in variants
         assert "| `spacing: 2 m` | 10.0 M | 22 s | reference | reference | 2 of 2 |" in variants
-        assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 0 % / 0 % | 2 of 2 |" in fidelities
 
     def test_without_a_table_they_say_so(self, absent: None) -> None:
-        for name in ("cost-accuracy", "fidelity_errors"):
-            assert TABLES[name]().rows == [] and markdown(TABLES[name]()).startswith("Not measured yet")
+        assert TABLES["cost-accuracy"]().rows == [] and markdown(TABLES["cost-accuracy"]()).startswith("Not measured yet")
 
 
 class TestFigures:
