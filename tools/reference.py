@@ -8,6 +8,7 @@ site (``snakemake docs``) and not kept.  Those of ``README.md`` are kept, betwee
 from __future__ import annotations
 
 import functools
+import json
 import math
 import re
 import subprocess
@@ -300,6 +301,20 @@ def time_lines() -> Iterator[tuple[str, ...]]:
             yield row["task"], duration(row["wall_time"]), row["conditions"], row["machine"]
 
 
+def speed_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (what, measured, code, where and when) of the newest of each stored measurement of speed on each processor."""
+    newest: dict[tuple[str, str], tuple[str, ...]] = {}
+    for run in sorted((json.loads(path.read_text(encoding="utf-8")) for path in HISTORY.rglob("*.json")), key=lambda run: run["datetime"]):
+        machine, commit = run["machine_info"], run["commit_info"]
+        code = f"{commit['version']}, solver {commit['solver'][:8]}"
+        for each in run["benchmarks"]:
+            told, least = each["extra_info"], each["stats"]["min"]
+            speed = f"{told['particle_steps'] / least / 1e6:.2g} M particle-steps/s" if "particle_steps" in told else f"{least:.3g} s"
+            where = f"{machine['processor']}, load average {told['load']:g}, {run['datetime'][:10]}"
+            newest[each["fullname"], machine["processor"]] = told["what"], speed, code, where
+    yield from newest.values()
+
+
 def fidelity_lines() -> Iterator[tuple[str, ...]]:
     """Rows (fidelity, time of the study, class and displacement against the baseline, time of a run, errors) of the fidelities."""
     times = read_measured("times").set_index("task")["wall_time"]
@@ -439,6 +454,9 @@ CAUSE_HEAD = (
     "with Arias intensity",
 )
 SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
+SPEED_HEAD = ("what", "measured", "code", "processor, load and date")
+HISTORY = Path(__file__).parents[1] / "tests" / "benchmarks" / "history"
+"""Stored measurements of speed, by pytest-benchmark."""
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (
     "fidelity", "whole study", f"class as at `{BASELINE}`", f"A's displacement against `{BASELINE}`", "one run",
@@ -542,6 +560,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "solid_states": lambda: Reference(SOLID_STATE_HEAD, list(solid_state_lines())),
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,
+    "speed": lambda: Reference(SPEED_HEAD, list(speed_lines())),
     "origins": lambda: Reference(("table", "solver", "configuration", "version", "renewed by"), list(origin_lines())),
     "trust": lambda: Reference((), [], trust_text()),
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),

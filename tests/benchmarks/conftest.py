@@ -1,4 +1,4 @@
-"""Runs a benchmark as a user would."""
+"""What a stored measurement records of the code and the machine, and a call of ``gpu.py`` as a user would make it."""
 
 from __future__ import annotations
 
@@ -7,14 +7,39 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import sph
+from sph.solver.compiled.jit import solver_digest
+from sph.study.machine import processor
 
 Script = Callable[..., tuple[dict[str, Any], str]]
+
+
+@pytest.hookimpl(optionalhook=True, tryfirst=True)
+def pytest_benchmark_generate_machine_info() -> dict[str, Any]:
+    """In place of what pytest-benchmark tells of a machine, its name among it."""
+    packages = {name: version(name) for name in ("numba", "numpy", "snakemake")}
+    return {"processor": processor(), "cores": os.cpu_count(), "python": sys.version.split()[0], **packages}
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_benchmark_update_commit_info(commit_info: dict[str, Any]) -> None:
+    """The commit by its id alone, whether the tree has been changed since, the solver and the version."""
+    kept = {name: commit_info.get(name) for name in ("id", "dirty")}
+    commit_info.clear()
+    commit_info.update(kept | {"solver": solver_digest(), "version": sph.__version__})
+
+
+@pytest.fixture(autouse=True)
+def _load(request: pytest.FixtureRequest) -> None:
+    """Keep with a measurement the load average at its start."""
+    if "benchmark" in request.fixturenames:
+        request.getfixturevalue("benchmark").extra_info["load"] = round(os.getloadavg()[0], 1)
 
 
 @pytest.fixture

@@ -151,10 +151,13 @@ def fault(words: list[str]) -> str:
     if program == "python":
         return "" if (ROOT / arguments[0]).is_file() else f"no script {arguments[0]}"
     if program == "pytest":
-        return "".join(f"no file {word}" for word in arguments if "/" in word and not (ROOT / word).exists())
+        return "".join(f"no file {word}" for word in arguments if "/" in word and not (ROOT / word.rpartition("=")[2]).exists())
     if words[0].startswith(".ci/"):
         return "" if (ROOT / words[0]).is_file() else f"no script {words[0]}"
-    known = program in ("cat", "cp", "conda", "podman", "apptainer", "pre-commit") or (Path(sys.executable).parent / program).exists()
+    known = (
+        program in ("cat", "cp", "conda", "podman", "apptainer", "pre-commit", "pytest-benchmark")
+        or (Path(sys.executable).parent / program).exists()
+    )
     return "" if known else f"no program {program}"
 
 
