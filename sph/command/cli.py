@@ -21,13 +21,13 @@ from typing import Annotated, ParamSpec
 import typer
 
 from sph.command.options import (
-    STUDY,
     AsJson,
     BandPass,
     Baseline,
     Component,
     Configfile,
     Picture,
+    Progressing,
     Rule,
     SceneFile,
     Settings,
@@ -276,10 +276,7 @@ def metrics(
 
 @command("Examples:  sph status  |  sph status study.yaml --watch  |  sph status results/paper/standard")
 def status(
-    study: Annotated[
-        Path | None,
-        typer.Argument(metavar="[STUDY]", help=f"{STUDY}, or its results, results/<study>/<fidelity>; by default config/config.yaml"),
-    ] = None,
+    study: Progressing = None,
     configfile: Configfile = None,
     watching: Annotated[bool, typer.Option("--watch", help="refresh every 2 s until all simulations are done")] = False,
     as_json: AsJson = False,
@@ -288,6 +285,18 @@ def status(
     from sph.command.status import status
 
     return status(study, configfile, watching, as_json)
+
+
+@command("Examples:  sph page study.yaml --watch  |  sph page results/paper/standard", "measuring the runs that are done")
+def page(
+    study: Progressing = None,
+    configfile: Configfile = None,
+    watching: Annotated[bool, typer.Option("--watch", help="write it again whenever runs are done, until all are")] = False,
+) -> Told:
+    """Write so_far.html, the page of a study of which only some runs are done; a second terminal follows snakemake with it."""
+    from sph.command.page import page
+
+    return page(study, configfile, watching, say)
 
 
 @command(

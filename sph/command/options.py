@@ -27,6 +27,10 @@ Settings = Annotated[
 Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory file (netCDF)")]
 STUDY = "configuration of a study (YAML), as for snakemake --configfile"
 Study = Annotated[Path, typer.Argument(metavar="STUDY", help=f"{STUDY}; one without a scene overrides keys of config/config.yaml")]
+Progressing = Annotated[
+    Path | None,
+    typer.Argument(metavar="[STUDY]", help=f"{STUDY}, or its results, results/<study>/<fidelity>; by default config/config.yaml"),
+]
 WithPlaces = Annotated[Path | None, typer.Option("--configfile", help="configuration of a study whose places (metrics.places) to draw")]
 Configfile = Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")]
 AsJson = Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")]

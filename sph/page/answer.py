@@ -68,11 +68,13 @@ def answer(
     probe: str,
     found: Callable[[str], Sequence[str]],
     client: bool = False,
+    missing: int = 0,
 ) -> Answer:
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
 
-    That for a ``client`` names no commands and keys.
+    That for a ``client`` names no commands and keys.  Of runs that are still ``missing`` in the table nothing is said.
     """
+    size = len(table) + missing
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
     why = held_back(table, rows)
@@ -82,33 +84,35 @@ def answer(
     critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
-        ("Without shaking", *unshaken(table, rows)),
+        ("Without shaking", *unshaken(table, rows, missing)),
         ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
         *at_residual(rows),
         ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
-        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions), less),
+        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         *answer_spacing(found(SPACINGS)),
-        *at_places(own, why),
+        *at_places(own, why, missing),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     return Answer(
-        _raised(lead(table, rows, why)),
+        _raised(lead(table, rows, why, missing)),
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
         [*compared(table, dimensions, probe), levels(own, dimensions, probe, why), *widths(own)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
-        list(map(_raised, _warnings(table, scene, probe, rows, client))),
+        list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
         expected_sentence(scene, not client)
         if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
         else "differs, see all runs",
     )
 
 
-def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
+def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> str:
     """Whether the slopes stand without shaking; and in the strongest shaking of the study how many runs fail, how far the debris goes and
-    what it does at the places."""
-    said = list[str]()
+    what it does at the places.  Where runs are ``missing`` it begins with that."""
+    said, size = list[str](), len(table) + missing
+    if missing:
+        said.append(f"So far {len(table)} of {_runs(size)} are done, and what is said here is of these alone")
     if falls := falling(table, rows):
-        said.append(f"The slope does not stand without shaking{'' if falls == len(table) else f' in {falls} of {len(table)} runs'}")
+        said.append(f"The slope does not stand without shaking{'' if falls == size else f' in {falls} of {size} runs'}")
     level, runs = "In this study", table
     if AMPLITUDE in table:
         strongest = max(table[AMPLITUDE], key=float)
@@ -134,7 +138,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
         if moving:
             words.append(f"soil still moves at the end of {_runs(moving)}" if len(known) > 1 else "soil still moves at the end")
     places = places_in(table.columns) if len(known) else ()
-    said += ["; ".join(words), *(f"{place}: {at_place(known, place)[0]}" for place in places)]
+    said += ["; ".join(words), *(f"{place}: {at_place(known, place, missing=missing)[0]}" for place in places)]
     return ". ".join([*said, *(_instead(name, of) for name, of in _alternatives(others))]) + "."
 
 
@@ -192,13 +196,14 @@ def held_back(table: pd.DataFrame, rows: Sequence[Row]) -> str:
     return " and ".join(braked_words(row.finding) for row in rows if row.finding.code in BRAKED) or "few rows of particles in weak soil"
 
 
-def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
-    """Whether the slopes stand without shaking by the static tests before the runs, and whether soil softened in the runs before it."""
-    runs = len(table)
+def unshaken(table: pd.DataFrame, rows: Sequence[Row], missing: int = 0) -> tuple[str, str]:
+    """Whether the slopes of the runs, of those that are ``missing`` too, stand without shaking by the static tests before the runs, and
+    whether soil softened in the runs before it."""
+    runs, size = len(table), len(table) + missing
     fail = sum(row.runs for row in rows if row.finding.code == "fails-unshaken")
     soften = int((table["status"] == Status.FAILED_UNSHAKEN).sum())
     if fail:
-        return f"does not stand in {fail} of {runs} runs", "by a static test"
+        return f"does not stand in {fail} of {size} runs", "by a static test"
     tested = any(row.finding.code == "stands-unshaken" for row in rows)
     narrow = sum(row.runs for row in rows if row.finding.code == "factor-of-safety" and row.finding.severity == Severity.WARNING)
     if soften:
@@ -206,7 +211,7 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
         return f"fails in {soften} of {runs} runs", f"{how}; the slope stands at peak strength" if tested else how
     if narrow:
         return (
-            f"not certain in {narrow} of {runs} runs",
+            f"not certain in {narrow} of {size} runs",
             "it stands in a static test, but its factor of safety does not exceed 1 by more than its error",
         )
     return ("stands", "by a static test") if tested else ("not tested", "sph check --stability")
@@ -276,8 +281,9 @@ def searched(scene: Scene, files: Sequence[str]) -> str:
     return ""
 
 
-def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
-    """The amplitudes between which the weakest of the slopes leaves the class 'stable', by the runs whose soil does not fail before."""
+def going(table: pd.DataFrame, dimensions: Sequence[Dimension], missing: int = 0) -> str:
+    """The amplitudes between which the weakest of the slopes leaves the class 'stable', by the runs whose soil does not fail before; at
+    most the higher one where runs are ``missing``, which may fail at less."""
     if AMPLITUDE not in table:
         return "only one level of shaking was run"
     table = table[table["status"] != Status.FAILED_UNSHAKEN]
@@ -288,8 +294,8 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     below = shaking[shaking < shaking[table["collapse_class"] != STABLE].min()].max()  # a run that diverged is not known to stand
     of = " in the weakest case" if len(dimensions) > 1 else ""
     if math.isnan(gone):
-        return f"no failure found up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
-    return f"at most {in_both(gone)}{of}" if math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
+        return f"no failure found{' so far' * bool(missing)} up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
+    return f"at most {in_both(gone)}{of}" if missing or math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
 def answer_spacing(files: Sequence[str]) -> list[tuple[str, str, str]]:
@@ -333,16 +339,17 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
     return found
 
 
-def at_places(table: pd.DataFrame, why: str = "") -> list[tuple[str, str, str]]:
+def at_places(table: pd.DataFrame, why: str = "", missing: int = 0) -> list[tuple[str, str, str]]:
     """What the debris does at each place."""
-    return [(f"At {place}", *at_place(table, place, why)) for place in places_in(table.columns)]
+    return [(f"At {place}", *at_place(table, place, why, missing)) for place in places_in(table.columns)]
 
 
-def at_place(table: pd.DataFrame, place: str, why: str = "") -> tuple[str, str]:
+def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -> tuple[str, str]:
     """In how many runs the debris reaches a place, how deep, how fast and with what pressure, and when; how far short of it the debris
     stops, and how far the ground of the place itself moves.
 
-    While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``."""
+    While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``; nor of runs that are
+    ``missing``."""
     of = {quantity: table[column_of(place, quantity)] for quantity in (REACHED, PASSED, ARRIVAL, PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)}
     known, there = of[REACHED].notna(), of[REACHED] > 0.0
     short = known & ~there
@@ -354,10 +361,11 @@ def at_place(table: pd.DataFrame, place: str, why: str = "") -> tuple[str, str]:
         words.append(f"reached in {there.sum()} of {_runs(known.sum())}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
         words.append(f"{of[PEAK_SPEED][there].max():.2g} m/s and {1e-3 * of[PRESSURE][there].max():.2g} kPa at most")
         how += [f"first arrival {of[ARRIVAL].min():.3g} s after the start of the run"] * bool(of[ARRIVAL].notna().any())
-    elif still.any() or not known.any():
+    elif still.any() or not (known.any() or missing):
         words.append(f"not reached in {_runs(still.sum())}")
     words += [f"not yet in {_runs(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
     words += [f"unknown in {_runs(braked.sum())}, whose debris is braked" + f": {why}" * bool(why)] * bool(braked.any())
+    words += [f"unknown in {_runs(missing)} still to come"] * bool(missing)
     words += [f"its ground moves by up to {metres(of[GROUND].max())} m"] * bool(of[GROUND].max() >= min(AREA_THRESHOLDS.values()))
     gap = -float(of[PASSED][short].max())
     if not there.any() and gap > 0.0:
@@ -465,10 +473,10 @@ def _span(low: float, high: float, words: Callable[[float], str]) -> str:
     return " to ".join(dict.fromkeys((words(low), words(high))))
 
 
-def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row], client: bool) -> list[str]:
+def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row], client: bool, size: int) -> list[str]:
     runs = len(table)
     errors, warnings = (
-        [f"{row.runs} of {runs} runs: {sentence(row.finding, not client)}" for row in rows if row.finding.severity == severity]
+        [f"{row.runs} of {size} runs: {sentence(row.finding, not client)}" for row in rows if row.finding.severity == severity]
         for severity in (Severity.ERROR, Severity.WARNING)
     )
     found = list[str]()

@@ -28,7 +28,7 @@ from sph.measures.places import PlaceAt
 from sph.output.run import Run
 from sph.page.answer import answer, as_it_is
 from sph.page.explorer import explorer
-from sph.page.matrix import matrix
+from sph.page.matrix import TO_COME, matrix
 from sph.page.sections import DOCS, Drawing, Section, of
 from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
@@ -71,6 +71,15 @@ class StudyFiles(NamedTuple):
     client: bool = False  # the page is without keys, paths, commands and what has still to be made
     project: str = ""  # of a client's page
     author: str = ""
+    missing: Mapping[str, Missing] = {}  # runs that are not done yet, and so not in the table, by name
+    renewed: int = 0  # seconds after which the page is to be read again, since it grows; 0: it is finished
+
+
+class Missing(NamedTuple):
+    """A run that is not done yet."""
+
+    point: Mapping[str, str]  # values of its dimensions
+    stand: str  # how it stands, in words
 
 
 class Picture(NamedTuple):
@@ -132,7 +141,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     whole_table, axes = read_table(study.table, study.layout), [found.name for found in study.dimensions]
     points = [dict(zip(axes, values, strict=True)) for values in whole_table[axes].itertuples(index=False, name=None)]
     whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [point_name(point) for point in points])
-    if len(whole_table) != study.size or not set(study.runs) <= set(whole_table.index):
+    if len(whole_table) != study.size - len(study.missing) or not set(study.runs) <= set(whole_table.index):
         raise ValueError(f"{study.table}: its rows are not the {study.size} runs of the study; repeat the command that wrote it")
     table = whole_table[whole_table.index.isin(list(study.runs))]
     runs = [study.runs[name] for name in table.index]
@@ -159,9 +168,10 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         today=datetime.date.today().isoformat() if study.client else "",
         key_table=chosen_keys(keys),
         layer_table=layer_table(scene, varied),
-        answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client),
+        answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client, len(study.missing)),
         overview=overview(table, study, dict(zip(table.index, titles, strict=True))),
-        matrix=matrix(whole_table, study.dimensions, study.probe, list(table.index)),
+        missing=[f"{title_of(study.dimensions, each.point)}: {each.stand}" for each in study.missing.values()],
+        matrix=matrix(_with_missing(whole_table, study), study.dimensions, study.probe, list(table.index)),
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),
         over=over,
@@ -197,6 +207,15 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         point["run"] = run
     before, _, after = page.rpartition(DATA)
     return before + as_json(data) + after
+
+
+def _with_missing(table: pd.DataFrame, study: StudyFiles) -> pd.DataFrame:
+    """The table with a row for each run to come, in the order of the values."""
+    if not study.missing:
+        return table
+    to_come = pd.DataFrame([each.point for each in study.missing.values()], index=list(study.missing)).assign(collapse_class=TO_COME)
+    order = {axis.name: labels.index for axis, labels in zip(study.layout.axes, study.layout.labels, strict=False)}
+    return pd.concat([table, to_come]).sort_values(list(order), key=lambda values: values.map(order[str(values.name)]), kind="stable")
 
 
 def as_json(data: Any) -> str:

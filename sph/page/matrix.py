@@ -21,7 +21,7 @@ MAX_CELLS = 80
 """Most runs of which each has a cell."""
 LEGIBLE = 0.4
 """Luminance from which on text on a colour is dark."""
-DIVERGED, UNSHAKEN = "diverged", "fails unshaken"
+DIVERGED, UNSHAKEN, TO_COME = "diverged", "fails unshaken", "still to come"
 """Classes of cells besides those of the metric."""
 
 
@@ -53,8 +53,8 @@ class Matrix(NamedTuple):
 
 
 def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, shown: Sequence[str]) -> Matrix | None:
-    """The matrix of a study's ``table``, whose index are the names of runs, of which the page has those ``shown``; None for a list of
-    runs, and where there are too many."""
+    """The matrix of a study's ``table``, whose index are the names of runs, of which the page has those ``shown`` and some may have the
+    class ``TO_COME``; None for a list of runs, and where there are too many."""
     found = arranged(table, dimensions, len(table))
     if not found.grid or len(table) > MAX_CELLS:
         return None
@@ -80,6 +80,8 @@ def _cells(runs: pd.DataFrame, along: Dimension, values: Sequence[str], shown: S
 
 def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
     kind = row["collapse_class"]
+    if kind == TO_COME:
+        return Cell(name, "…", TO_COME, "this run is not done yet", False)
     if row["diverged"]:
         return Cell(name, "×", DIVERGED, "diverged: no results", name in shown)
     if row["status"] == Status.FAILED_UNSHAKEN:
@@ -91,7 +93,7 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
 
 def _colours() -> dict[str, tuple[str, str]]:
     colours = dict(zip(CLASSES, class_colours(), strict=True))
-    papers = {name: to_hex(colour) for name, colour in colours.items()} | {UNSHAKEN: "#c9ced6", DIVERGED: "#ffffff"}
+    papers = {name: to_hex(colour) for name, colour in colours.items()} | {UNSHAKEN: "#c9ced6", DIVERGED: "#ffffff", TO_COME: "#ffffff"}
     return {name: (paper, "#000000" if _luminance(paper) > LEGIBLE else "#ffffff") for name, paper in papers.items()}
 
 

@@ -395,6 +395,7 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     rows = [("5", "1", "stable"), ("5", "2", "minor"), ("50", "1", "stable"), ("50", "2", "stable")]
     table = pd.DataFrame(rows, columns=["soil.cohesion", "amplitude", "collapse_class"]).assign(status="complete")
     assert going(table, [cohesion, shaking]) == "between 1 m/s2 (0.102 g) and 2 m/s2 (0.204 g) in the weakest case"
+    assert going(table, [cohesion, shaking], missing=1) == "at most 2 m/s2 (0.204 g) in the weakest case", "a run to come may fail at less"
     assert going(table.iloc[2:], [cohesion, shaking]).startswith("no failure found up to 2 m/s2 (0.204 g)")
     assert going(table.iloc[1:2], [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)")
     diverged = table.assign(collapse_class=["stable", "minor", UNDETERMINED, "stable"])

@@ -1,0 +1,116 @@
+"""The page of a study whose runs are not all done (``sph page``): what there is so far, and again whenever more is there."""
+
+from __future__ import annotations
+
+import math
+import os
+import time as clock
+from collections.abc import Callable
+from pathlib import Path
+
+from sph.command.status import REFRESH, Stand, State, look_at
+from sph.command.study import find_study
+from sph.experiments.study_row import run_values
+from sph.measures.metrics import Value
+from sph.output.run import Run
+from sph.page.answer import FINDINGS
+from sph.page.build import Missing, StudyFiles, write_page
+from sph.storage import trajectory
+from sph.study.dimensions import CASE
+from sph.study.plan import Plan
+from sph.study.tables import study_rows, write_csv
+
+PAGE, TABLE = "so_far.html", "so_far.csv"
+"""Beside the files of the workflow, which are made of all runs."""
+RENEWED = 20
+"""Seconds after which a browser reads a page that grows again."""
+REST = 4.0
+"""Least time between two pages, as a multiple of what one takes: the cores are for the runs."""
+
+
+class SoFar:
+    """The page of the runs of a study that are done; each run is measured once."""
+
+    def __init__(self, plan: Plan, base: Path) -> None:
+        self.plan, self._base = plan, base
+        self.folder = os.path.relpath(base / plan.folder)
+        self.missing: dict[str, Missing] = {name: Missing(point, Stand.WAITING) for name, point in plan.study.runs.items()}
+        self._measured: dict[Path, tuple[str, dict[str, Value]]] = {}
+        self._searches = {search.file: search for search in plan.searches.values()}
+        self._written: object = None
+
+    @property
+    def said(self) -> str:
+        """How far it is, in words."""
+        size = len(self.plan.study.runs)
+        left = f"; {self.folder}/report.html follows when snakemake is done" if not self.missing else ""
+        return f"{self.folder}/{PAGE}: {size - len(self.missing)} of {size} runs{left}"
+
+    def renew(self, growing: bool) -> bool:
+        """Write the page, which a browser reads again if it is ``growing``, where anything is there that the last one had not."""
+        study, base = self.plan.study, self._base
+        found = {state.job.run.id: state for state in look_at(list(self.plan.shared.runs.values()), base)}
+        done = {name: _path(state, base) for name, state in found.items() if state.state == Stand.DONE and _path(state, base).exists()}
+        self.missing = {name: Missing(study.runs[name], _stand(state)) for name, state in found.items() if name not in done}
+        searches = [state for state in look_at(list(self._searches.values()), base) if state.state == Stand.DONE]
+        preflight = base / "results" / study.study / FINDINGS.format(fidelity=study.fidelity)
+        files = [os.path.relpath(path) for path in (preflight, *(_path(state, base) for state in searches)) if path.is_file()]
+        new = (list(done), files)
+        if not done or new == self._written:
+            return False
+        yields = {state.job.run.file: float(trajectory.read(_path(state, base)).attrs["value"]) for state in searches}
+        table, layout = f"{self.folder}/{TABLE}", self.plan.layout
+        rows = []
+        for name, path in done.items():
+            search = self.plan.searches.get(name)
+            row = study.runs[name] | self._values(path, yields.get(search.file, math.nan) if search else math.nan)
+            rows.append({CASE: name, **row} if layout.named else row)
+        write_csv(study_rows(rows, layout), table)
+        shown = {name: os.path.relpath(path) for name, path in done.items() if name in study.page_runs}
+        write_page(
+            f"{self.folder}/{PAGE}",
+            StudyFiles(
+                study.study, study.fidelity, self.folder, table, layout, self.plan.dimensions, len(study.runs), shown, [], files, [],
+                probe=study.metrics.probe, places=study.metrics.places, client=study.page == "client", project=study.project,
+                author=study.author, missing=self.missing, renewed=RENEWED if growing and self.missing else 0,
+            ),
+        )  # fmt: skip
+        self._written = new
+        return True
+
+    def _values(self, path: Path, yield_acceleration: float) -> dict[str, Value]:
+        """The columns of a run; measured again where its file or its yield acceleration is another one."""
+        now = f"{path.stat().st_mtime_ns} {yield_acceleration}"
+        if self._measured.get(path, ("",))[0] != now:
+            self._measured[path] = now, run_values(Run.read(path), self.plan.study.metrics, yield_acceleration)
+        return self._measured[path][1]
+
+
+def _path(state: State, base: Path) -> Path:
+    return base / state.job.run.file
+
+
+def _stand(state: State) -> str:
+    """How a run that is missing stands, with the reason."""
+    return f"{state.state}: {state.note}" if state.note else str(state.state)
+
+
+def page(given: Path | None, configfile: Path | None, watching: bool, say: Callable[[str], None]) -> str:
+    """Write the page of the runs that are done; with ``watching`` again whenever there are more, until all are, which ``say`` is told.
+
+    ValueError where no run is done, unless they are waited for.
+    """
+    catalogue = find_study(given, configfile)
+    so_far = SoFar(catalogue.plan, catalogue.base)
+    if not watching:
+        if not so_far.renew(growing=False):
+            raise ValueError(f"{so_far.folder}: no run is done yet; start the study with snakemake, and add --watch to wait for its runs")
+        return so_far.said
+    say(f"waiting for runs in {so_far.folder}; end with Ctrl-C")
+    while True:
+        begun = clock.monotonic()
+        if so_far.renew(growing=True):
+            if not so_far.missing:
+                return so_far.said
+            say(so_far.said)
+        clock.sleep(max(REFRESH, REST * (clock.monotonic() - begun)))
