@@ -1,6 +1,7 @@
-"""Short runs share a job: one goes ahead with runs that could start beside it, and the jobs of these take up what it has made.
+"""Runs share a job: one goes ahead with runs that could start beside it, and the jobs of these take up what it has made.
 
-So a study of short runs starts few processes that load the solver, and is planned, counted, recorded and repeated run by run as any other.
+So a study of short runs starts few processes that load the solver, and one on a graphics card advances all its runs together; each is
+planned, counted, recorded and repeated run by run as any other.
 What a job makes stays in a hidden folder beside its place until the job of that run ends: what a killed job has finished is taken up again.
 Its name there is a digest of all that decides the run, so that a run of other scenes or sources is not taken up.
 """
@@ -16,7 +17,7 @@ from typing import Any, NamedTuple
 from sph.storage.files import beside
 
 TOGETHER = 20.0
-"""Seconds of predicted work up to which a job goes ahead with other runs."""
+"""Seconds of predicted work up to which a job goes ahead with other runs; on a card with all that there are."""
 
 
 class Task(NamedTuple):
@@ -34,6 +35,8 @@ class Task(NamedTuple):
     by: str
     extrapolates: bool
     enforce_limit: bool
+    backend: str
+    """one of ``sph.solver.backends.BACKENDS``"""
     digest: str
     """of all that decides its result"""
 

@@ -102,21 +102,21 @@ def _record(line: str) -> dict[str, Any] | None:
 
 
 @contextmanager
-def job_log(path: Path | str) -> Iterator[TextIO]:
-    """The log to write to.  An error ends the job with a line, in the log and on stderr, where the workflow shows it.
+def job_log(path: Path | str, shown: TextIO | None = None) -> Iterator[TextIO]:
+    """The log to write to.  An error ends the job with a line, in the log and where the workflow shows it (``shown``; by default stderr).
 
     An error that the user can correct (exit code 2) leaves that line alone, any other its traceback in the log.  A log that cannot be
     written does not stop the job.
     """
-    path = Path(path)
+    path, shown = Path(path), shown or sys.stderr
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         log: TextIO
         log = own = JobLog(path.open("wb"), encoding="utf-8", errors="backslashreplace", line_buffering=True)
         own.record(PROCESS, **Process(platform.node(), os.getpid(), clock.time())._asdict())
     except OSError as error:
-        print(f"{path}: no log: {error.strerror}", file=sys.stderr)
-        log = sys.stderr
+        print(f"{path}: no log: {error.strerror}", file=shown)
+        log = shown
     try:
         yield log
     except Exception as error:
@@ -126,9 +126,9 @@ def job_log(path: Path | str) -> Iterator[TextIO]:
             print(line if correctable else traceback.format_exc().rstrip(), file=log)
             if isinstance(log, JobLog):
                 log.record(FAILED, reason=next(iter(str(error).splitlines()), "") if correctable else repr(error))
-        print(line, file=sys.stderr, flush=True)
+        print(line, file=shown, flush=True)
         raise SystemExit(REFUSED if correctable else 1) from error
     finally:
-        if log is not sys.stderr:
+        if log is not shown:
             with suppress(OSError):
                 log.close()

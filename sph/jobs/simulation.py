@@ -1,12 +1,13 @@
-"""What the jobs of a workflow do that simulate: runs and stages, several short ones in a job, and searches for limits of slopes."""
+"""What the jobs of a workflow do that simulate: runs and stages, several in a job, and searches for limits of slopes."""
 
 from __future__ import annotations
 
 import io
 import os
 import shutil
-from collections.abc import Sequence
-from contextlib import redirect_stderr, suppress
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import TextIO, cast
 
@@ -16,8 +17,10 @@ from sph.checks.scene import findings
 from sph.jobs.ahead import Task, keep_log, take_up
 from sph.jobs.log import job_log
 from sph.jobs.progress import reporter
+from sph.scene.schema import Scene
+from sph.solver.backends import backend_of, call_together
 from sph.solver.checkpoint import run_to_file
-from sph.solver.run import Until
+from sph.solver.run import Backend, Until
 from sph.stability.record import search_to_file
 from sph.storage.files import alone
 from sph.study.planned import Planned
@@ -25,18 +28,37 @@ from sph.study.runs import SIMULATION
 
 
 def work(own: Task, others: Sequence[Task], threads: int) -> None:
-    """Make the result of a job and then, ahead of their jobs, those of others; what another job has made or makes is left to it.
+    """Make the result of a job and, ahead of their jobs, those of others; what another job has made or makes is left to it.
 
-    An error ends the job, and with one of the others that alone: its own job will tell it.
+    On the processor its own comes first, on a card all advance together.  An error ends the job, and with one of the others that alone:
+    its own job will tell it.
     """
     before = [_written(other) for other in others]
-    with alone(Path(own.file), "job"):
-        make(own, threads)
-    for other, then in zip(others, before, strict=True):
-        with suppress(_AtWorkError, OSError, SystemExit), redirect_stderr(io.StringIO()), alone(Path(other.file), "job", _leave):
-            if _written(other) == then:  # else its own job has been at it
-                make(other, threads)
+    with ExitStack() as held:
+        held.enter_context(alone(Path(own.file), "job"))
+        if own.backend == "cpu":
+            make(own, threads)
+            held.close()
+            for other, then in zip(others, before, strict=True):
+                with suppress(_AtWorkError, OSError, SystemExit), _left_alone(other, then):
+                    make(other, threads, io.StringIO())
+        elif not own.made.exists():
+            together = [own]
+            for other, then in zip(others, before, strict=True):
+                with suppress(_AtWorkError, OSError):
+                    held.enter_context(_left_alone(other, then))
+                    together.append(other)
+            make_together(together)
     take_up(own)
+
+
+@contextmanager
+def _left_alone(task: Task, then: float | None) -> Iterator[None]:
+    """Hold the place of a run at which no other job works nor, since ``then``, has worked; _AtWorkError where one does."""
+    with alone(Path(task.file), "job", _leave):
+        if _written(task) != then:
+            _leave()
+        yield
 
 
 def _written(task: Task) -> float | None:
@@ -52,39 +74,64 @@ def _leave() -> None:
     raise _AtWorkError
 
 
-def make(task: Task, threads: int) -> None:
-    """Make a result where its own job will take it up; of a search, which is never made ahead, in its place."""
+def make_together(tasks: Sequence[Task]) -> None:
+    """Make results on the card, each as soon as it is done where its own job will take it up; an error of the first is raised."""
+    own, built = tasks[0], dict[int, Scene]()
+
+    def scene_of(number: int) -> Scene:
+        built[number] = Planned(tasks[number].scene, tasks[number].contents).build()
+        return built[number]
+
+    def call(number: int, backend: Backend) -> None:
+        make(tasks[number], 1, io.StringIO() if number else None, backend, built.pop(number, None))
+
+    try:
+        found = call_together([partial(scene_of, number) for number in range(len(tasks))], call)
+    except ValueError:
+        with job_log(own.log):
+            raise
+    if found[0] is not None:
+        raise found[0]
+
+
+def make(task: Task, threads: int, shown: TextIO | None = None, backend: Backend | None = None, scene: Scene | None = None) -> None:
+    """Make a result where its own job will take it up; of a search, which is never made ahead, in its place.
+
+    ``shown`` is where an error is told beside the log, ``backend`` what advances it if not what the task says, ``scene`` is its scene, if
+    that is built already.
+    """
     if task.made.exists():
         return
-    planned, finished = Planned(task.scene, task.contents), task.made.with_name(".finished.nc")
-    with job_log(task.log) as log:
+    finished = task.made.with_name(".finished.nc")
+    with job_log(task.log, shown) as log:
         if task.by != SIMULATION:
             # From the trials of a search that was killed; at two spacings if it extrapolates.
-            search_to_file(planned.build(), task.by, task.file, lambda trial: print(*trial, file=log, flush=True), task.extrapolates)
+            scene = Planned(task.scene, task.contents).build()
+            search_to_file(scene, task.by, task.file, lambda trial: print(*trial, file=log, flush=True), task.extrapolates)
             return
         keep_log(task)
         try:
-            simulate(planned, task, finished, log, threads)
+            scene = scene or Planned(task.scene, task.contents).build()
+            simulate(scene, task, finished, log, threads, backend or backend_of(task.backend))
         except Exception:
             shutil.rmtree(finished.parent)
             raise
     os.replace(finished, task.made)
 
 
-def simulate(planned: Planned, task: Task, finished: Path, log: TextIO, threads: int) -> None:
+def simulate(scene: Scene, task: Task, finished: Path, log: TextIO, threads: int, backend: Backend | None) -> None:
     """Run a scene, from its checkpoint or a restart if there is one, and write its trajectory; a run that diverges is a result."""
 
     def say(text: str) -> None:
         print(text, file=log)
 
-    built = planned.build()
-    found = findings(built)
-    with reporter(task.file, built, log) as report:
+    found = findings(scene)
+    with reporter(task.file, scene, log) as report:
         for each in found:
             if each.counts:
                 say(line(each))
         result = run_to_file(
-            built,
+            scene,
             task.file,
             cast(Until, task.until),
             task.restart,
@@ -93,6 +140,7 @@ def simulate(planned: Planned, task: Task, finished: Path, log: TextIO, threads:
             say=say,
             enforce_limit=task.enforce_limit,
             attrs={"findings": codes(found)},
+            backend=backend,
             to=finished,
         )
     print(f"{task.file}: {result.status} {result.stored.attrs['status_reason']}", file=log)

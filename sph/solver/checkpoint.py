@@ -14,6 +14,7 @@ import threading
 import time as clock
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,9 +63,10 @@ def run_to_file(
             tidy(path)
             checkpoint.discard()
             return finished
-        started = checkpoint.resumed(Run(scene, threads, enforce_limit, backend))
+        begin = partial(Run, scene, threads, enforce_limit, backend)
+        started = checkpoint.resumed(begin)
         if started is None:
-            started = Run(scene, threads, enforce_limit, backend)
+            started = begin()
             if restart is not None:
                 started.resume(restart)
         with checkpoint.on_interrupt():
@@ -129,10 +131,11 @@ class Checkpoint:
             raise KeyboardInterrupt
         self.interrupted = True
 
-    def resumed(self, started: Run) -> Run | None:
-        """A run at its start as the checkpoint has it; None, and a line why, if there is none of this run."""
+    def resumed(self, begin: Callable[[], Run]) -> Run | None:
+        """A run as the checkpoint has it, from what makes one at its start; None, and a line why, if there is none of this run."""
         if not self.path.exists():
             return None
+        started = begin()
         try:
             if trajectory.read(self.path).attrs.get("run_digest") != self.digest:
                 raise ValueError(f"{self.path}: of another scene, stage, restart file or solver")

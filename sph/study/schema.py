@@ -130,6 +130,10 @@ class Study(Section):
         "for uncertain soil: mean, one search at the means of the distributions, shared by all draws; each, a search for each draw",
         default="mean",
     )
+    backend: Literal["cpu", "cuda"] = key(
+        "what advances the runs: cpu, or cuda, a graphics card of NVIDIA, on which runs advance together; searches stay on processors",
+        default="cpu",
+    )
     page: Literal["full", "client"] = key(
         "client: the page leaves out keys, paths, commands, costs and sections that have not been made yet, and has project, author and "
         "date",

@@ -15,19 +15,28 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-PROFILES = {"slurm": "snakemake_executor_plugin_slurm", "generic": "snakemake_executor_plugin_cluster_generic"}
+PROFILES = {
+    "slurm": "snakemake_executor_plugin_slurm",
+    "slurm-gpu": "snakemake_executor_plugin_slurm",
+    "generic": "snakemake_executor_plugin_cluster_generic",
+}
 """Profile and the plugin that it needs."""
 RECIPE = (ROOT / "Containerfile").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["slurm", pytest.param("generic", marks=pytest.mark.long)])
+@pytest.mark.parametrize("name", ["slurm", "slurm-gpu", pytest.param("generic", marks=pytest.mark.long)])
 def test_a_profile_plans_the_shipped_study(name: str) -> None:
     if importlib.util.find_spec(PROFILES[name]) is None:
         pytest.skip(f"{PROFILES[name]} is not installed")
     asked = [sys.executable, "-m", "snakemake", "--profile", str(ROOT / "workflow" / "profiles" / name), "--dry-run", "--forceall"]
-    done = subprocess.run(asked, capture_output=True, text=True, check=False, cwd=ROOT)
+    on_cards = name == "slurm-gpu"
+    done = subprocess.run([*asked, *["--config", "backend=cuda"] * on_cards], capture_output=True, text=True, check=False, cwd=ROOT)
     said = done.stdout + done.stderr
     assert done.returncode == 0, said
+    if on_cards:
+        assert re.findall(r"Group job (\w+)", said).count("runs") == 1, "24 runs on one card"
+        assert said.count("gpu=1, slurm_partition=gpu") == 28 and said.count("gpu=0") == 2, "not the search, nor the preflight"
+        return
     groups = re.findall(r"Group job (\w+)", said)
     assert groups.count("stages") == 2 and groups.count("runs") == 2 and groups.count("figures") == 1, (
         "the search by itself, 24 runs by 16, 7 figures"
@@ -35,14 +44,15 @@ def test_a_profile_plans_the_shipped_study(name: str) -> None:
     assert "mem_mb=2000" in said and "runtime=30" in said, "what is no simulation"
 
 
-@pytest.mark.parametrize("name", PROFILES)
-def test_a_profile_names_rules_of_the_workflow(name: str) -> None:
+def test_a_profile_names_rules_of_the_workflow() -> None:
     """Snakemake passes over the name of a rule that is not there."""
     listed = subprocess.run([sys.executable, "-m", "snakemake", "--list-rules"], capture_output=True, text=True, check=True, cwd=ROOT)
     rules = set(listed.stdout.split())
-    profile = yaml.safe_load((ROOT / "workflow" / "profiles" / name / "config.yaml").read_text(encoding="utf-8"))
-    grouped = dict(pair.split("=") for pair in profile["groups"])
-    assert set(grouped) <= rules and {pair.split("=")[0] for pair in profile["group-components"]} <= set(grouped.values())
+    for name in PROFILES:
+        profile = yaml.safe_load((ROOT / "workflow" / "profiles" / name / "config.yaml").read_text(encoding="utf-8"))
+        grouped = dict(pair.split("=") for pair in profile["groups"])
+        assert {*grouped, *profile.get("set-resources", ())} <= rules
+        assert {pair.split("=")[0] for pair in profile["group-components"]} <= set(grouped.values())
 
 
 # ---------------------------------------------------------------- container

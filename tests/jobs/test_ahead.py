@@ -13,8 +13,12 @@ from sph.jobs import simulation
 from sph.jobs.ahead import Task, finished, take_up
 from sph.jobs.log import read_log
 from sph.jobs.simulation import work
+from sph.scene.schema import Scene
+from sph.solver.cuda import ensemble
+from sph.solver.simulation import Simulation
+from sph.storage import trajectory
 from sph.storage.files import alone
-from sph.study.planned import Planned, planned
+from sph.study.planned import planned
 from sph.study.runs import SIMULATION
 
 
@@ -30,6 +34,7 @@ def tasks(folder: Path, small_slope: SceneBuilder, **amplitudes: float) -> list[
             SIMULATION,
             False,
             True,
+            "cpu",
             f"digest-{name}",
         )
         for name, amplitude in amplitudes.items()
@@ -41,10 +46,10 @@ def test_what_is_made_ahead_is_taken_up(tmp_path: Path, small_slope: SceneBuilde
     fails = fails._replace(restart=str(tmp_path / "missing.nc"))
     simulate = simulation.simulate
 
-    def own_job_begins(planned: Planned, task: Task, *rest: Any) -> None:
+    def own_job_begins(scene: Scene, task: Task, *rest: Any) -> None:
         if task is other:
             Path(task.log).unlink()  # by Snakemake; that job then waits for this one
-        simulate(planned, task, *rest)
+        simulate(scene, task, *rest)
 
     monkeypatch.setattr(simulation, "simulate", own_job_begins)
     with alone(Path(held.file), "job"):
@@ -71,10 +76,10 @@ def test_a_killed_job_has_lost_nothing_that_it_had_finished(
     own, other, meanwhile, last = tasks(tmp_path, small_slope, own=1.0, other=2.0, meanwhile=3.0, last=4.0)
     make = simulation.make
 
-    def killed_at_last(task: Task, threads: int) -> None:
+    def killed_at_last(task: Task, *rest: Any) -> None:
         if task is last:
             raise KeyboardInterrupt
-        make(task, threads)
+        make(task, *rest)
         Path(meanwhile.file).touch()  # by its own job, which another core had time for
 
     monkeypatch.setattr(simulation, "make", killed_at_last)
@@ -83,3 +88,58 @@ def test_a_killed_job_has_lost_nothing_that_it_had_finished(
     assert not Path(own.file).exists(), "Snakemake deletes the result of a job that ends so"
     assert take_up(own) and take_up(other) and not take_up(last)
     assert not meanwhile.made.exists(), "it is not made twice"
+
+
+class OnProcessor(Simulation):
+    """A run that is told to be on a card."""
+
+    backend = "cuda"
+    made = 0
+
+    def __init__(self, scene: Scene, ensemble: Any, enforce_limit: bool = True) -> None:
+        super().__init__(scene, 1, enforce_limit)
+        self.ensemble = ensemble
+        OnProcessor.made += 1
+
+
+def test_runs_on_a_card_advance_together(tmp_path: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("own", "fails", "large", "changed", "held", "other", "third")
+    own, fails, large, changed, held, other, third = (
+        task._replace(backend="cuda") for task in tasks(tmp_path, small_slope, **{name: 1.0 + number for number, name in enumerate(names)})
+    )
+    fails = fails._replace(restart=str(tmp_path / "missing.nc"))
+    changed = changed._replace(contents={str(Path(__file__)): "of what was planned"})
+    batches: list[int] = []
+
+    class Card(ensemble.Ensemble):
+        def __init__(self, size: int) -> None:
+            batches.append(size)
+            super().__init__(size, cuda=object())
+
+    def most_runs(run: Simulation) -> int:
+        if run.scene.motion.amplitude == 3.0:
+            raise ValueError("needs 300 MiB")
+        assert not batches or finished(Path(own.file)).exists(), "what is done is kept while others are under way"
+        return 2
+
+    # By their amplitudes: what is large does not fit, the others are of two kinds.
+    monkeypatch.setattr(ensemble, "CardSimulation", OnProcessor)
+    monkeypatch.setattr(ensemble, "Ensemble", Card)
+    monkeypatch.setattr(ensemble, "card", object)
+    monkeypatch.setattr(ensemble, "most_runs", most_runs)
+    monkeypatch.setattr(ensemble, "variant", lambda run: run.scene.motion.amplitude in (1.0, 2.0, 6.0) or run.scene.motion.amplitude)
+    with alone(Path(held.file), "job"):
+        work(own, [fails, large, changed, held, other, third], 1)
+    assert batches == [2, 1, 1, 1, 1], "own and one that fails; what is refused, by itself; the rest"
+    assert OnProcessor.made == 5, "each is built once, what has changed and what is held not at all"
+    assert Path(own.file).is_file() and trajectory.read(own.file).attrs["backend"] == "cuda"
+    reasons = [read_log(Path(task.log)).reason for task in (fails, large, changed)]  # type: ignore[union-attr]
+    assert all(said in str(reason) for said, reason in zip(("missing.nc", "300 MiB", "has changed"), reasons, strict=True))
+    assert not held.made.exists() and take_up(other) and take_up(third)
+    with pytest.raises(SystemExit):
+        work(fails, [], 1)
+    monkeypatch.undo()
+    monkeypatch.setattr(ensemble, "find_spec", lambda name: None)
+    with pytest.raises(SystemExit):
+        work(held, [], 1)
+    assert "numba-cuda, which is not installed" in str(read_log(Path(held.log)).reason)  # type: ignore[union-attr]

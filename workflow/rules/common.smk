@@ -5,6 +5,7 @@ from sph.figures import caption as caption_of
 from sph.solver.compiled.jit import solver_digest
 from sph.study.cost import Needs, needs
 from sph.study.planned import contents, digest, planned, sources
+from sph.study.runs import SIMULATION
 
 # Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
 SOLVER = solver_digest()
@@ -27,14 +28,25 @@ PAGE = DRAWING + sources("experiments/*/*.py", "page/*.*")
 SETTINGS = PLAN.study.metrics
 
 
+# One card, unless --resources or a profile says how many jobs may have one at a time.
+if PLAN.study.backend != "cpu" and "gpu" not in workflow.global_resources:
+    workflow.register_resource("gpu", 1)
+
+
+def on_card(row):
+    """Whether a row is made on a graphics card."""
+    return PLAN.study.backend != "cpu" and row.by == SIMULATION
+
+
 def asked(row):
     """The resources that the job of a row asks for, by a function of its wildcards: its scene and what is done with it."""
+    card = {"gpu": lambda wildcards: int(on_card(row(wildcards)))}
     return {
         name: lambda wildcards, attempt, name=name: getattr(
             needs(row(wildcards).built, row(wildcards).needs, attempt), name
         )
         for name in Needs._fields
-    }
+    } | (card if PLAN.study.backend != "cpu" else {})
 
 
 def told(of):

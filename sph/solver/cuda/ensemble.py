@@ -408,12 +408,13 @@ def check_memory(cuda: Any, wanted: Sequence[Pack], runs: int) -> None:
 
 
 def most_runs(simulation: Simulation) -> int:
-    """How many runs like one the free memory of the card holds; at least 1, which may then be refused with its numbers."""
+    """How many runs like one the free memory of the card holds; ValueError with numbers where that is none."""
     from sph.solver.cuda import kernel as card_code
 
-    threads = blocks_of(simulation, THREADS) * THREADS
-    size = sum(pack.size for pack in packs(card_code, simulation, 1, room_of(simulation), threads))
-    return max(1, int(SHARE * free_memory(card()) / size))
+    cuda, threads = card(), blocks_of(simulation, THREADS) * THREADS
+    wanted = packs(card_code, simulation, 1, room_of(simulation), threads)
+    check_memory(cuda, wanted, 1)
+    return int(SHARE * free_memory(cuda) / sum(pack.size for pack in wanted))
 
 
 def variant(simulation: Simulation) -> Any:

@@ -3,15 +3,14 @@
 # Outputs: functions for the directives of ../run.smk and of other rules that simulate
 from sph.jobs.ahead import TOGETHER, Task
 from sph.study.cost import job_cost
-from sph.study.runs import SIMULATION
 
 
 def asked_of(row):
-    """What the job of a row is given."""
+    """What the job of a row is given; a backend that is not the processor makes other bits."""
     settings = ("until", "by", "extrapolates", "enforce_limit")
-    return {"scene": planned(row.scene)} | {
-        name: getattr(row, name) for name in settings
-    }
+    given = {"scene": planned(row.scene)}
+    given |= {name: getattr(row, name) for name in settings}
+    return given | ({"backend": PLAN.study.backend} if on_card(row) else {})
 
 
 def stage_row(wildcards):
@@ -31,7 +30,7 @@ def parent_of(row):
 
 def task(row):
     """A row as its job is given it."""
-    given = asked_of(row)
+    given = {"backend": "cpu"} | asked_of(row)
     scene, contents = given.pop("scene")
     sources = SOLVER if row.by == SIMULATION else SEARCHING
     decides = digest([asked_of(row), sources])
@@ -39,7 +38,8 @@ def task(row):
 
 
 def ahead(row, own, rule):
-    """What the job of a row goes ahead with: runs of its rule that could start now, as many as make with it the work that short ones share."""
+    """What the job of a row goes ahead with: runs of its rule that could start now; on a processor as many as make with it the work that
+    short ones share, on a card all."""
     ready = (
         row(job.wildcards)
         for job in workflow.dag.ready_jobs
@@ -47,13 +47,14 @@ def ahead(row, own, rule):
     )
     worked = 0.0
     for other in ready if own.by == SIMULATION else ():
-        worked = worked or job_cost(own).seconds
         asked = task(other)
-        if other.by == SIMULATION and not asked.made.exists():
-            worked += job_cost(other).seconds
+        if other.by != SIMULATION or asked.made.exists():
+            continue
+        if not on_card(own):
+            worked = (worked or job_cost(own).seconds) + job_cost(other).seconds
             if worked > TOGETHER:
                 return
-            yield asked
+        yield asked
 
 
 def simulated(row, rule):
