@@ -110,8 +110,8 @@ def test_runs_wait_for_each_other_and_not_for_those_that_are_over(monkeypatch: p
         return np.array([on.asked.get(place, (0, 0))[1] for place in range(3)])
 
     def asks(steps: int) -> list[int]:
-        place = on.turn
-        return [on.advance(place, 5 * step, 5) for step in range(steps)]
+        member: Any = object()
+        return [on.advance(member, 5 * step, 5) for step in range(steps)]
 
     def fail() -> None:
         raise ValueError("a time step above its limit")

@@ -84,7 +84,7 @@ class CardSimulation(Simulation):
 
     def __init__(self, scene: Scene, ensemble: Ensemble, enforce_limit: bool = True) -> None:
         super().__init__(scene, 1, enforce_limit)
-        self.ensemble, self.place = ensemble, ensemble.turn
+        self.ensemble = ensemble
         self.listed = -1
         """step at which the processor's lists were made, in steps of the launch"""
         self.on_card = False
@@ -96,7 +96,7 @@ class CardSimulation(Simulation):
     def advance_steps(self, n_steps: int) -> tuple[int, int]:
         """Advance by a number of the scene's time steps; how many particles failed, and how many steps were made."""
         failed = np.count_nonzero(self.state.phase == FAILED)
-        done = self.ensemble.advance(self.place, self.step * self.substeps, n_steps * self.substeps)
+        done = self.ensemble.advance(self, self.step * self.substeps, n_steps * self.substeps)
         self.steps_made += done
         made = done // self.substeps
         self.step += made
@@ -158,8 +158,7 @@ class Ensemble:
 
     def simulation(self, scene: Scene, enforce_limit: bool = True) -> CardSimulation:
         """A scene's simulation that advances with the others."""
-        self.members[self.turn] = made = CardSimulation(scene, self, enforce_limit)
-        return made
+        return CardSimulation(scene, self, enforce_limit)
 
     def carry(self, calls: Sequence[Callable[[], Any]]) -> list[Any]:
         """Results of functions that run the members, one a member, in order; an exception of one is in its place."""
@@ -189,9 +188,10 @@ class Ensemble:
         self._release()
         return found
 
-    def advance(self, place: int, first: int, count: int) -> int:
-        """Steps that the run in a place has made of ``count`` from step ``first`` on, once all have asked."""
-        self.asked[place] = first, count
+    def advance(self, member: CardSimulation, first: int, count: int) -> int:
+        """Steps that the run whose turn it is has made of ``count`` from step ``first`` on, once all have asked."""
+        place = self.turn
+        self.members[place], self.asked[place] = member, (first, count)
         self._wake()
         self._wait(place)
         if self.failure is not None:
