@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import os
 import threading
+import time as clock
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
@@ -89,8 +90,9 @@ class CardSimulation(Simulation):
 
     def advance_steps(self, n_steps: int) -> tuple[int, int]:
         """Advance by a number of the scene's time steps; how many particles failed, and how many steps were made."""
-        failed = np.count_nonzero(self.state.phase == FAILED)
+        failed, asked = np.count_nonzero(self.state.phase == FAILED), clock.perf_counter()
         done = self.ensemble.advance(self, self.step * self.substeps, n_steps * self.substeps)
+        self.waited += clock.perf_counter() - asked - self.ensemble.share
         self.steps_made += done
         made = done // self.substeps
         self.step += made
@@ -131,6 +133,8 @@ class Ensemble:
         self.members: list[Any] = [None] * size
         self.asked: dict[int, tuple[int, int]] = {}
         self.round = 0
+        self.share = 0.0
+        """wall time of the last launch, for each run that it served, s"""
         self.failure: BaseException | None = None
         self.kernel: Any = None
         self.run_pack: Any = None
@@ -199,10 +203,12 @@ class Ensemble:
 
     def _serve(self) -> None:
         """Launch what all have asked for, and wake them."""
+        began = clock.perf_counter()
         try:
             self.done = self._advance()
         except BaseException as error:
             self.failure = error
+        self.share = (clock.perf_counter() - began) / len(self.asked)
         self.asked, self.round = {}, self.round + 1
         self.turn.notify_all()
 
@@ -379,12 +385,16 @@ def check_memory(cuda: Any, wanted: Sequence[Pack], runs: int) -> None:
         )
 
 
-def most_runs(simulation: Simulation) -> int:
-    """How many runs like one the free memory of the card holds; ValueError with numbers where that is none."""
+def memory_of(simulation: Simulation) -> tuple[Pack, Pack, Pack]:
+    """Memory of the card for a run."""
     from sph.solver.cuda import kernel as card_code
 
-    cuda, threads = card(), blocks_of(simulation, THREADS) * THREADS
-    wanted = packs(card_code, simulation, 1, room_of(simulation), threads)
+    return packs(card_code, simulation, 1, room_of(simulation), blocks_of(simulation, THREADS) * THREADS)
+
+
+def most_runs(simulation: Simulation) -> int:
+    """How many runs like one the free memory of the card holds; ValueError with numbers where that is none."""
+    cuda, wanted = card(), memory_of(simulation)
     check_memory(cuda, wanted, 1)
     return int(SHARE * free_memory(cuda) / sum(pack.size for pack in wanted))
 
