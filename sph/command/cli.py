@@ -495,12 +495,13 @@ def cost(
         typer.Option(help="speed of a core relative to the reference machine; by default taken from finished runs, or measured here"),
     ] = None,
     start: Annotated[float, typer.Option(min=0, max=3600, help="start-up time of each job, s; about 10 on a cluster")] = 5.0,
+    backend: Annotated[str | None, typer.Option(help="what makes the runs, cpu or cuda; by default as the study says")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> Told:
     """Predict the cost of a study: core-hours, wall time, memory and disk, in total and for the remaining runs."""
     from sph.command.cost import cost_of_study
 
-    return cost_of_study(study, fidelity, cores or os.cpu_count() or 1, speed, start, as_json)
+    return cost_of_study(study, fidelity, cores or os.cpu_count() or 1, speed, start, backend, as_json)
 
 
 @command(

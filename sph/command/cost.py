@@ -2,15 +2,19 @@
 
 The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
 another machine.  Runs share the gravity stage and continue from it; the shaking up to the first failure is counted with them, and so is
-the preflight.
+the preflight.  On a graphics card (``--backend cuda``) all runs of a kind advance together; its speed is measured on the card of this
+machine, else it is that of the card which an experiment had.
 """
 
 from __future__ import annotations
 
 import math
 import statistics
+import time as clock
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,15 +25,21 @@ from sph.scene.configuration import merge
 from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
 from sph.scene.strict_json import to_json
+from sph.solver.backends import BACKENDS, ENOUGH, Member
+from sph.solver.cuda.ensemble import Ensemble, card, describe_card, memory_of
 from sph.solver.run import Progress, Run
-from sph.study.cost import COMPILE, START, TAKE_UP, Cost, cost, job_cost
+from sph.solver.simulation import Simulation
+from sph.study.cost import CARD_RATE, CARD_START, CARD_STEP, COMPILE, PROCESS, START, TAKE_UP, Cost, cost, job_cost
 from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.preflight import MAX_SCENES, preflight_searches, preflight_seconds
-from sph.study.runs import Kind
+from sph.study.runs import SIMULATION, Kind
 
 CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
 """Computing time of the measurement of a machine's speed, s; what ends it, s; and the particles of its scene."""
+BLOCKS, COPIES = 10, 64
+"""Intervals of the series in which a card's speed is measured, and most runs that then advance together."""
+MIB = 2.0**20
 TABLES, TABLES_A_RUN = 18.0, 0.1
 """Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
 
@@ -42,6 +52,15 @@ class Speed(NamedTuple):
 
     value: float
     known_by: str
+
+
+class CardCost(NamedTuple):
+    """What a study needs of a graphics card."""
+
+    left: float  # s, of runs and stages that are not done
+    speed: Speed  # particle-steps a second
+    together: int  # runs that advance together
+    memory: float  # MiB of the card, a run; NaN where what drives a card is not installed
 
 
 class StudyCost(NamedTuple):
@@ -59,33 +78,42 @@ class StudyCost(NamedTuple):
     left: float  # s on one core, of jobs that are not done
     wall: float  # s on the cores, of what is left, the preflight included
     cores: int
-    memory: float  # MiB, of as many jobs at once as there are cores, a search among them
+    memory: float  # MiB, of as many jobs at once as there are cores, a search among them; or of the runs together on a card
     disk: float  # MiB
     speed: Speed
+    card: CardCost | None
 
 
-def cost_of_study(study: Path, fidelity: str | None, cores: int, speed: float | None, start: float, as_json: bool) -> str:
+def cost_of_study(
+    study: Path, fidelity: str | None, cores: int, speed: float | None, start: float, backend: str | None, as_json: bool
+) -> str:
     """The prediction for a study's configuration, in words or for machines."""
     if speed is not None and not 1e-3 <= speed <= 1e3:
         raise ValueError(f"--speed {speed:g}: must be from 0.001 to 1000")
+    check_known("--backend", [backend] if backend else (), BACKENDS)
     catalogue = find_study(study)
     plan = catalogue.plan
     if fidelity is not None:
         check_known("--fidelity", [fidelity], plan.study.fidelities)
         plan = plan.at(fidelity)
-    found = study_cost(plan, catalogue.base, cores, speed, start)
+    found = study_cost(plan, catalogue.base, cores, speed, start, (backend or plan.study.backend) != "cpu")
     return to_json(record(found), indent=1) if as_json else "\n".join(lines(found))
 
 
-def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:
+def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, start: float = START, on_card: bool = False) -> StudyCost:
     """Predict a study on a number of cores; ``speed`` over the reference machine's, measured by default.
 
-    ``start`` is the time of a job besides its computing, s: more on a cluster than on one machine.
+    ``start`` is the time of a job besides its computing, s: more on a cluster than on one machine.  With ``on_card`` a graphics card makes
+    runs and stages, and the cores the rest.
     """
     states = look_at(plan.jobs, base)
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, job_cost(state.job.run)) for state in states]
-    times = [_started(part, state, start) + part.seconds / known.value for state, part in found]
+    of_card = _card_cost(found, start) if on_card else None
+    times = [
+        TAKE_UP if of_card and state.job.run.by == SIMULATION else _started(part, state, start) + part.seconds / known.value
+        for state, part in found
+    ]
     checked = start + preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches))) / known.value
     check_left = 0.0 if (base / plan.folder / PREFLIGHT_FILE).exists() else checked
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
@@ -98,6 +126,11 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
     left = sum(waits) + check_left + after * bool(waits)
+    # One stage after another, however many cores there are; the search beside them.
+    stages = of_card.left if of_card else sum(slowest.values())
+    memory = (at_once - 1) * longest.memory + max(part.memory for _, part in found)
+    if of_card:
+        memory = PROCESS + of_card.together * (longest.memory - PROCESS)
     return StudyCost(
         plan.folder,
         runs,
@@ -109,13 +142,59 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         sum(part.seconds for state, part in found if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
         sum(times) + checked + after,
         left,
-        # One stage after another, however many cores there are; the search beside them.
-        max(left / cores, max(sum(slowest.values()), search, check_left) + after * bool(waits) / min(cores, 8)),
+        max(left / cores, max(stages, search, check_left) + after * bool(waits) / min(cores, 8)),
         cores,
-        (at_once - 1) * longest.memory + max(part.memory for _, part in found),
+        memory,
         sum(part.disk for _, part in found),
         known,
+        of_card,
     )
+
+
+def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
+    """What runs and stages need of a card: those of a kind advance together, one kind after another."""
+    runs = [(state, part) for state, part in found if state.job.run.kind == Kind.RUN]
+    state, part = max(runs, key=lambda run: run[1].seconds)
+    together, memory = max(1, min(len(runs), ENOUGH // part.particles)), math.nan
+    if find_spec("numba_cuda") is not None:
+        memory = sum(pack.size for pack in memory_of(Simulation(state.job.scene, enforce_limit=False))) / MIB
+    try:
+        card()
+    except ValueError:
+        rate = min(CARD_RATE, together * part.particles / CARD_STEP)
+        speed = Speed(rate, "as an experiment on an earlier version measured on an H100; there is no card here")
+    else:
+        speed = card_speed_here(state.job.scene, min(together, COPIES))
+    left = 0.0
+    for kind in (Kind.GRAVITY, Kind.PRE_FAILURE, Kind.RUN):
+        waiting = [part for state, part in found if state.job.run.kind == kind and state.state != Stand.DONE]
+        if waiting:
+            made = sum(part.particles * part.steps for part in waiting) / speed.value
+            left += start + CARD_START + max(made, CARD_STEP * max(part.steps for part in waiting))
+    return CardCost(left, speed, together, memory)
+
+
+def card_speed_here(scene: Scene, copies: int) -> Speed:
+    """Speed of the card of this machine, on copies of a scene that advance together at its start."""
+    on = Ensemble(copies)
+    times: list[list[float]] = [[] for _ in range(copies)]
+
+    def call(number: int) -> None:
+        def look(_: Progress) -> None:
+            times[number].append(clock.perf_counter())
+            if len(times[number]) > BLOCKS:
+                raise _Enough
+
+        with suppress(_Enough):
+            Run(scene, backend=Member(on), enforce_limit=False).go(report=look)
+
+    for result in on.carry([partial(call, number) for number in range(copies)]):
+        if isinstance(result, BaseException):
+            raise result
+    # The first interval compiles.
+    seconds = max(seen[-1] for seen in times) - max(seen[0] for seen in times)
+    steps = (min(map(len, times)) - 1) * scene.steps(scene.outputs.series_interval)
+    return Speed(copies * steps * cost(scene).particles / seconds, f"measured here on {copies} runs together, {describe_card()}")
 
 
 def _started(part: Cost, state: State, start: float) -> float:
@@ -133,7 +212,7 @@ def measured_speed(states: Sequence[State]) -> Speed:
     ratios = [
         cost(state.job.scene).seconds / state.computed
         for state in states
-        if state.state == Stand.DONE and state.job.run.kind == Kind.RUN and state.computed > 0
+        if state.state == Stand.DONE and state.job.run.kind == Kind.RUN and state.computed > 0  # NaN where a card made it
     ]
     if ratios:
         return Speed(statistics.median(ratios), f"from {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")
@@ -188,17 +267,17 @@ def _stepped(scene: Scene, step: float) -> Scene:
 
 def lines(found: StudyCost) -> list[str]:
     """The prediction in words."""
-    done = found.jobs - found.jobs_left
+    done, on_card = found.jobs - found.jobs_left, found.card
+    size = f"{found.particles:,} particles, {found.steps:,} steps after the gravity stage"
+    at_once = f"{on_card.together} runs" if on_card else f"{min(found.cores, found.jobs)} jobs"
+    stages = "gravity and the shaking up to the first failure, once for all runs that share them"
     rows = [
         ("study", f"{found.folder}: {found.runs:,} runs, {found.jobs:,} simulations" + (f", {done:,} done" if done else "")),
-        ("a run", f"{_time(found.run)} of one core: {found.particles:,} particles, {found.steps:,} steps after the gravity stage"),
-        (
-            "stages",
-            f"{_time(found.shared)} of one core: gravity and the shaking up to the first failure, once for all runs that share them",
-        ),
+        ("a run", size if on_card else f"{_time(found.run)} of one core: {size}"),
+        ("stages", stages if on_card else f"{_time(found.shared)} of one core: {stages}"),
         ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them still to do" if done else "")),
-        ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}"),
-        ("memory", f"{_size(found.memory)} for {min(found.cores, found.jobs)} jobs at once"),
+        ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}" + " and a card" * (on_card is not None)),
+        ("memory", f"{_size(found.memory)} for {at_once} at once"),
         ("disk", f"{_size(found.disk)} of trajectories"),
         ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
         (
@@ -206,6 +285,10 @@ def lines(found: StudyCost) -> list[str]:
             f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice that with the yield-acceleration search",
         ),
     ]
+    if on_card:
+        each = "unknown without numba-cuda" if math.isnan(on_card.memory) else f"{_size(on_card.memory)} of its memory a run"
+        rows.insert(4, ("card", f"{_time(on_card.left)}, {on_card.together} runs together, {each}"))
+        rows.insert(5, ("its speed", f"{on_card.speed.value / 1e6:,.0f} M particle-steps/s, {on_card.speed.known_by}"))
     return [f"{label:<10} {text}" for label, text in rows]
 
 
@@ -219,4 +302,8 @@ def _size(mebibytes: float) -> str:
 
 def record(found: StudyCost) -> dict[str, Any]:
     """The prediction for machines: times in s, memory and disk in MiB."""
+    return _plain(found) | {"card": found.card and _plain(found.card)}
+
+
+def _plain(found: StudyCost | CardCost) -> dict[str, Any]:
     return found._asdict() | {"speed": found.speed.value, "known_by": found.speed.known_by}

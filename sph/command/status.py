@@ -89,7 +89,7 @@ class State(NamedTuple):
     time: float = 0.0  # simulated, s
     left: float = math.nan  # wall time by its own account, s
     took: float = math.nan  # wall time by its benchmark, s
-    computed: float = math.nan  # computing time by its file, without compiling, reading and writing, s
+    computed: float = math.nan  # computing time of a core by its file, without compiling, reading and writing, s
 
 
 def status(given: Path | None, configfile: Path | None, watching: bool, as_json: bool) -> str | None:
@@ -123,7 +123,7 @@ def look(job: Job, base: Path) -> State:
         return State(job, Stand.OUTDATED, f"cannot be read: {getattr(error, 'strerror', None) or error}")
     else:
         stand, note = (Stand.OUTDATED, "of another scene") if differs else (Stand.DONE, str(facts.get("status", "")))
-        took, computed = _benchmark(base / job.run.benchmark), float(facts.get("wall_time_s", math.nan))
+        took, computed = _benchmark(base / job.run.benchmark), math.nan if "backend" in facts else float(facts.get("wall_time_s", math.nan))
         return State(job, stand, note, took=took, computed=computed)
     log = read_log(base / job.run.log)
     if log is not None:

@@ -154,7 +154,8 @@ class Run:
             if checkpoint is not None and not status:
                 paused = clock.perf_counter()
                 steps = (simulation.steps_made - first_steps_made) * simulation.state.x.size
-                checkpoint(functools.partial(self._result, Status.PAUSED, "checkpoint", paused - started, steps))
+                elapsed = paused - started - simulation.waited
+                checkpoint(functools.partial(self._result, Status.PAUSED, "checkpoint", elapsed, steps))
                 started += clock.perf_counter() - paused
         if not status:
             rest = self._rest()
@@ -165,7 +166,7 @@ class Run:
                 status, reason = Status.PAUSED, "at the end of the gravity stage"
             if rest and recording.frames["time"][-1] < simulation.time:
                 recording.add_frame()
-        elapsed = clock.perf_counter() - started
+        elapsed = clock.perf_counter() - started - simulation.waited
         return self._result(status, reason, elapsed, (simulation.steps_made - first_steps_made) * simulation.state.x.size)
 
     def _finished(self, rest: str) -> tuple[str, str]:

@@ -56,6 +56,8 @@ class Simulation:
         self.substeps = 1
         self.limit = math.inf
         self.steps_made = 0
+        self.waited = 0.0
+        """wall time that went to other runs, s"""
 
     @property
     def time(self) -> float:

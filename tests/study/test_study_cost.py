@@ -15,15 +15,17 @@ from typer.testing import CliRunner
 
 from sph.checks.stability import settled
 from sph.command.cli import app
-from sph.command.cost import coarse, speed_here, study_cost
+from sph.command.cost import card_speed_here, coarse, speed_here, study_cost
 from sph.command.status import Job, look_at
 from sph.command.study import find_study
 from sph.jobs.exit_codes import REFUSED
 from sph.scene.schema import make_scene
+from sph.solver.cuda import ensemble
+from sph.solver.simulation import Simulation
 from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
-from sph.study.cost import START, cost
+from sph.study.cost import CARD_START, CARD_STEP, START, cost
 from sph.study.preflight import (
     QUICK_SENSITIVITY,
     QUICK_TRIALS,
@@ -165,3 +167,43 @@ def test_refusals(config: Path, tmp_path: Path) -> None:
     ):
         refused = CliRunner().invoke(app, ["cost", *(str(argument) for argument in arguments)])
         assert refused.exit_code == REFUSED and all(word in refused.stderr for word in words), refused.output
+
+
+def test_a_study_on_a_card(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of a kind advance together; searches, the preflight and tables stay on the cores."""
+    monkeypatch.setattr(ensemble, "find_spec", lambda name: None)
+    on_cores, on_card = (predicted(config, "--speed", 1, "--cores", 1, "--backend", name) for name in ("cpu", "cuda"))
+    card = on_card["card"]
+    assert on_cores["card"] is None and on_card["computing"] < on_cores["computing"] and on_card["run"] == on_cores["run"]
+    assert card["together"] == 8 and "H100; there is no card here" in card["known_by"]
+    assert card["speed"] == pytest.approx(8 * on_card["particles"] / CARD_STEP), "few particles: as many steps a second as one run makes"
+    # Three kinds, a job each; the gravity stage takes a thousand steps, the shaking to the first failure one interval, runs two thousand.
+    assert card["left"] == pytest.approx(3 * (START + CARD_START) + CARD_STEP * (1000 + 10 + on_card["steps"]))
+    assert on_card["wall"] >= card["left"]
+    refused = CliRunner().invoke(app, ["cost", str(config), "--backend", "opencl"])
+    assert refused.exit_code == REFUSED and "cpu" in refused.stderr and "cuda" in refused.stderr
+    write = yaml.safe_load(config.read_text())
+    config.write_text(yaml.safe_dump(write | {"backend": "cuda"}))
+    assert predicted(config, "--speed", 1, "--cores", 1) == on_card, "as the study says"
+    told = CliRunner().invoke(app, ["cost", str(config), "--speed", "1"]).stdout
+    assert "8 runs together" in told and "M particle-steps/s" in told and "and a card" in told
+
+
+def test_the_speed_of_a_card(small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On runs to their eleventh interval, here one after the other on a processor."""
+
+    class OneByOne:
+        def __init__(self, size: int) -> None:
+            self.size = size
+
+        def simulation(self, scene: Any, enforce_limit: bool) -> Simulation:
+            return Simulation(scene, 1, enforce_limit)
+
+        def carry(self, calls: Any) -> list[Any]:
+            assert len(calls) == self.size
+            return [call() for call in calls]
+
+    monkeypatch.setattr("sph.command.cost.Ensemble", OneByOne)
+    monkeypatch.setattr(ensemble, "most_runs", lambda simulation: 3)
+    found = card_speed_here(small_slope({}), 2)
+    assert 1e3 < found.value < 1e12 and found.known_by.startswith("measured here on 2 runs together")

@@ -16,6 +16,7 @@ import functools
 import math
 import os
 import threading
+import time as clock
 from collections import deque
 from collections.abc import Callable, Sequence
 from importlib import import_module
@@ -95,8 +96,9 @@ class CardSimulation(Simulation):
 
     def advance_steps(self, n_steps: int) -> tuple[int, int]:
         """Advance by a number of the scene's time steps; how many particles failed, and how many steps were made."""
-        failed = np.count_nonzero(self.state.phase == FAILED)
+        failed, asked = np.count_nonzero(self.state.phase == FAILED), clock.perf_counter()
         done = self.ensemble.advance(self, self.step * self.substeps, n_steps * self.substeps)
+        self.waited += clock.perf_counter() - asked - self.ensemble.share
         self.steps_made += done
         made = done // self.substeps
         self.step += made
@@ -140,6 +142,8 @@ class Ensemble:
         self.ready: deque[int] = deque()
         """runs that can go on, in turn"""
         self.asked: dict[int, tuple[int, int]] = {}
+        self.share = 0.0
+        """wall time of the last launch, for each run that it served, s"""
         self.failure: BaseException | None = None
         self.kernel: Any = None
         self.run_pack: Any = None
@@ -206,10 +210,12 @@ class Ensemble:
     def _wake(self) -> None:
         """Wake the next run that can go on; where all have asked, launch, so that they can."""
         if not self.ready and self.asked:
+            began = clock.perf_counter()
             try:
                 self.done = self._advance()
             except BaseException as error:
                 self.failure = error
+            self.share = (clock.perf_counter() - began) / len(self.asked)
             self.ready.extend(self.asked)
             self.asked = {}
         if self.ready:
@@ -407,12 +413,16 @@ def check_memory(cuda: Any, wanted: Sequence[Pack], runs: int) -> None:
         )
 
 
-def most_runs(simulation: Simulation) -> int:
-    """How many runs like one the free memory of the card holds; ValueError with numbers where that is none."""
+def memory_of(simulation: Simulation) -> tuple[Pack, Pack, Pack]:
+    """Memory of the card for a run."""
     from sph.solver.cuda import kernel as card_code
 
-    cuda, threads = card(), blocks_of(simulation, THREADS) * THREADS
-    wanted = packs(card_code, simulation, 1, room_of(simulation), threads)
+    return packs(card_code, simulation, 1, room_of(simulation), blocks_of(simulation, THREADS) * THREADS)
+
+
+def most_runs(simulation: Simulation) -> int:
+    """How many runs like one the free memory of the card holds; ValueError with numbers where that is none."""
+    cuda, wanted = card(), memory_of(simulation)
     check_memory(cuda, wanted, 1)
     return int(SHARE * free_memory(cuda) / sum(pack.size for pack in wanted))
 
