@@ -17,11 +17,12 @@ from sph.figures.style import DPI, WIDTH, styled
 from sph.measures.fields import FIELDS
 from sph.output.run import Run
 from sph.scene.configuration import dotted
+from sph.scene.motion import TaperedSine
 from sph.scene.schema import Scene, load_scene
 from sph.solver.particles import place_particles
 from sph.solver.run import run
 
-SCENE = Path(__file__).parents[1] / "config" / "scenes" / "level_sand.yaml"
+SCENE = Path(__file__).parents[1] / "config" / "scenes" / "validation" / "v27_level_sand.yaml"
 EQUIVALENT = 0.65
 """Amplitude of uniform cycles over the peak of the earthquake that they stand for; fifteen of them have the magnitude ``MAGNITUDE``."""
 MAGNITUDE = 7.5
@@ -31,7 +32,8 @@ TIMES = (3.0, 6.0, 9.0, 12.0, 20.0)
 
 def earthquake(scene: Scene) -> Scene:
     """The scene with the peak of the earthquake that its uniform cycles stand for."""
-    return load_scene(SCENE, dotted({"motion.amplitude": scene.motion.amplitude / EQUIVALENT}))  # type: ignore[union-attr]
+    assert isinstance(scene.motion, TaperedSine)
+    return load_scene(SCENE, dotted({"motion.amplitude": scene.motion.amplitude / EQUIVALENT}))
 
 
 @styled

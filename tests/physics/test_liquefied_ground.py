@@ -111,7 +111,7 @@ def test_level_ground_liquefies() -> None:
     assert np.abs(rest - rest[0]).max() < 0.01 * np.abs(ds["shaking_work"].values).max()
 
 
-LEVEL = "config/scenes/level_sand.yaml"
+LEVEL = "config/scenes/validation/v27_level_sand.yaml"
 COARSE = {"numerics.spacing": 1.0, "numerics.time_step": 1e-3, "outputs.frame_interval": 1.0}
 """Uniform cycles of 0.65 times the peak of an earthquake, fifteen for magnitude 7.5; the tolerances below were written before the runs."""
 
