@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from sph.checks.finding import Finding, finding
@@ -14,16 +16,25 @@ from sph.solver.physics.cyclic_pore_pressure import can_liquefy
 from sph.solver.physics.pore_pressure import effective_overburden
 
 
-def of_liquefaction(scene: Scene, particles: Particles, magnitude: float) -> list[Finding]:
-    """The least factor of safety in each layer of sand that can liquefy, and of saturated clay, as on level ground.
+class Factors(NamedTuple):
+    """Factors of safety of a layer's places."""
 
-    The peak of the horizontal motion counts as that of the ground.  A scene without shaking has no finding.
+    layer: str
+    is_clay: bool
+    depth: np.ndarray  # (n,) m
+    safety: np.ndarray  # (n,)
+
+
+def factors(scene: Scene, particles: Particles, magnitude: float) -> list[Factors]:
+    """Those of each layer of sand that can liquefy, and of saturated clay, as on level ground, by its particles.
+
+    The peak of the horizontal motion counts as that of the ground.  A scene without shaking has none.
     """
     soil = slice(0, particles.n_soil)
     x, y, layer = particles.x[soil], particles.y[soil], particles.layer[soil]
     depth = scene.geometry.ground(x) - y
     total, effective = scene.gravity.acceleration * overburden(scene, x, y), effective_overburden(scene, x, y)
-    peak = float(np.abs(loading_of(scene).ground).max(initial=0.0))
+    peak = peak_of(scene)
     if peak == 0.0:
         return []
     sand = can_liquefy(scene, x, y, layer)
@@ -39,9 +50,21 @@ def of_liquefaction(scene: Scene, particles: Particles, magnitude: float) -> lis
             resistance = clay_resistance(strength[there] / effective[there], magnitude)
         else:
             resistance = sand_resistance(of.clean_sand_blow_count, magnitude, effective[there])
-        safety = resistance / stress
+        found.append(Factors(name, is_clay, depth[there], resistance / stress))
+    return found
+
+
+def peak_of(scene: Scene) -> float:
+    """Peak of the horizontal motion, m/s2."""
+    return float(np.abs(loading_of(scene).ground).max(initial=0.0))
+
+
+def of_liquefaction(scene: Scene, particles: Particles, magnitude: float) -> list[Finding]:
+    """The least factor of safety of each layer (``factors``)."""
+    found = []
+    for layer, is_clay, depth, safety in factors(scene, particles, magnitude):
         worst = int(np.argmin(safety))
-        numbers = {"value": float(safety[worst]), "bound": 1.0, "depth": float(depth[there[worst]]), "share": float(np.mean(safety < 1.0))}
-        numbers |= {"magnitude": magnitude, "peak": peak}
-        found.append(finding("cyclic-softening" if is_clay else "liquefaction", subject=name, **numbers))
+        numbers = {"value": float(safety[worst]), "bound": 1.0, "depth": float(depth[worst]), "share": float(np.mean(safety < 1.0))}
+        numbers |= {"magnitude": magnitude, "peak": peak_of(scene)}
+        found.append(finding("cyclic-softening" if is_clay else "liquefaction", subject=layer, **numbers))
     return found

@@ -398,7 +398,7 @@ MESSAGES: dict[str, Message] = {
     "liquefaction": Message(
         lambda of: "{subject} liquefies in the earthquake" if of["value"] < of["bound"] else "{subject} does not liquefy in the earthquake",
         _simplified,
-        "at least {bound:g}; or let the run raise its pore pressure (water.excess_pressure)",
+        "at least {bound:g}",
         meaning="least factor of safety of sand against liquefaction (Boulanger and Idriss 2014), with --magnitude",
     ),
     "cyclic-softening": Message(
