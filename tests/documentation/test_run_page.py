@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import io
-import json
 import re
 import sys
 from pathlib import Path
 
-import nbformat
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -68,16 +66,12 @@ is: not run
 """
 
 
-def run(tmp_path: Path, text: str, name: str = "page.md") -> str:
-    (tmp_path / name).write_text(text, encoding="utf-8")
-    run_page(str(tmp_path / name), ROOT, tmp_path / "page", io.StringIO())
+def run(tmp_path: Path, text: str) -> str:
+    (tmp_path / "page.md").write_text(text, encoding="utf-8")
+    run_page(str(tmp_path / "page.md"), ROOT, tmp_path / "page", io.StringIO())
     page, took = (tmp_path / "page" / "page.md").read_text(encoding="utf-8").split("\n*All commands of this page took ")
     assert re.fullmatch(r"\d+ s on .+ cores\.\*\n", took)
     return page
-
-
-def notebook(*cells: str) -> str:
-    return json.dumps({"cells": [{"cell_type": "code" if "print" in cell else "markdown", "source": [cell]} for cell in cells]})
 
 
 def test_what_is_printed_and_made_goes_into_the_page(tmp_path: Path) -> None:
@@ -109,28 +103,7 @@ def test_a_block_that_fails_is_named(tmp_path: Path, block: str, place: str, sai
     assert not (tmp_path / "page").exists()
 
 
-def test_cells_of_a_notebook_share_their_names(tmp_path: Path) -> None:
-    text = run(tmp_path, notebook("# A page", "a = 6\nprint('first')", "Then", "print(7 * a)"), "page.ipynb")
-    first = "```python\na = 6\nprint('first')\n```\n\n```text\nfirst\n```\n\n"
-    assert text == f"# A page\n\n{first}Then\n\n```python\nprint(7 * a)\n```\n\n```text\n42\n```\n\n"
-
-
-def test_a_cell_that_fails_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"page\.ipynb: cell 3 fails:\n(.|\n)*NameError"):
-        run(tmp_path, notebook("# A page", "print(1)", "print(absent)", "print(2)"), "page.ipynb")
-
-
-def test_the_notebook_is_one_without_outputs_and_uses_the_library_alone() -> None:
-    (path,) = (ROOT / "docs" / "gallery").glob("*.ipynb")
-    read = nbformat.read(path, as_version=4)
-    nbformat.validate(read)
-    cells = [cell for cell in read.cells if cell.cell_type == "code"]
-    assert not [cell for cell in cells if cell.outputs or cell.execution_count]
-    lines = [line for cell in cells for line in cell.source.splitlines()]
-    assert [line for line in lines if line.lstrip().startswith(("import ", "from "))] == ["import sph"]
-
-
 def test_every_case_of_the_gallery_is_listed() -> None:
-    pages = [path for path in (ROOT / "docs" / "gallery").glob("*.[mi]*") if path.stem != "index"]
+    pages = [path for path in (ROOT / "docs" / "gallery").glob("*.md") if path.stem != "index"]
     settings, index = ((ROOT / name).read_text(encoding="utf-8") for name in ("mkdocs.yml", "docs/gallery/index.md"))
-    assert len(pages) >= 6 and not [path for path in pages if f"gallery/{path.stem}.md" not in settings or f"]({path.name})" not in index]
+    assert len(pages) >= 6 and not [path for path in pages if f"gallery/{path.name}" not in settings or f"]({path.name})" not in index]

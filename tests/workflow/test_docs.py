@@ -12,7 +12,7 @@ from test_workflow import ROOT, snakemake
 
 import sph
 
-GALLERY = [path for path in (ROOT / "docs" / "gallery").glob("*.[mi]*") if path.stem != "index"]
+GALLERY = [path for path in (ROOT / "docs" / "gallery").glob("*.md") if path.stem != "index"]
 QUICKEST = "rod-column"
 
 

@@ -7,7 +7,7 @@ import re
 
 DOCS = SPH.parent / "docs"
 GALLERY = {
-    path.stem: path for path in DOCS.glob("gallery/*.[mi]*") if path.stem != "index"
+    path.stem: path for path in DOCS.glob("gallery/*.md") if path.stem != "index"
 }
 
 

@@ -1,4 +1,4 @@
-"""Run a page of the gallery: its blocks of commands and of Python, or the cells of a notebook, in order and in a folder of their own."""
+"""Run a page of the gallery: its blocks of commands and of Python, in order and in a folder of their own."""
 
 import os
 import re
@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 from sph.jobs.log import Job, job_log
-from sph.scene.strict_json import parse_json
 from sph.study.machine import duration, machine_class
 
 FENCE = re.compile(r"^```(sh|python)\n(.*?)^```$\n?", re.MULTILINE | re.DOTALL)
@@ -19,31 +18,24 @@ LINK = re.compile(r"(\]\()([^)\s:#]+)(\))")
 MAX_LINES = 60
 """Of the output of a block; what is longer is cut."""
 PROGRAMS = {"sh": ["bash", "-eu", "-o", "pipefail"], "python": [sys.executable]}
-NEXT_CELL = "\f"
-"""Printed between the cells of a notebook, which are run as one program."""
 
 
 class Block(NamedTuple):
     """What is run and shown."""
 
-    place: str
-    """line of a page or number of a cell"""
+    line: int
+    """of the page, at which it begins"""
     language: str
     code: str
 
 
 def read_page(path: Path) -> list[str | Block]:
-    """Text and blocks of a page or notebook, in order."""
+    """Text and blocks of a page, in order."""
     text = path.read_text(encoding="utf-8")
     parts: list[str | Block] = []
-    if path.suffix == ".ipynb":
-        for number, cell in enumerate(parse_json(text)["cells"], 1):
-            code = "".join(cell["source"]).rstrip() + "\n"
-            parts.append(Block(f"cell {number}", "python", code) if cell["cell_type"] == "code" else f"{code}\n")
-        return parts
     end = 0
     for found in FENCE.finditer(text):
-        parts += [text[end : found.start()], Block(f"line {text.count(chr(10), 0, found.start()) + 1}", found[1], found[2])]
+        parts += [text[end : found.start()], Block(text.count("\n", 0, found.start()) + 1, found[1], found[2])]
         end = found.end()
     return [*parts, text[end:]]
 
@@ -59,18 +51,12 @@ def run_program(language: str, code: str, folder: Path, log: IO[str]) -> tuple[s
 
 
 def run_blocks(path: Path, blocks: list[Block], folder: Path, log: IO[str]) -> list[str]:
-    """What each block prints; ValueError names page and place of the one that fails."""
-    if path.suffix == ".ipynb":
-        printed, wrong = run_program("python", f"print({NEXT_CELL!r}, end='')\n".join(block.code for block in blocks), folder, log)
-        outputs = printed.split(NEXT_CELL)
-        if wrong:
-            raise ValueError(f"{path}: {blocks[len(outputs) - 1].place} fails:\n{wrong}")
-        return outputs
+    """What each block prints; ValueError names page and line of the one that fails."""
     outputs = []
     for block in blocks:
         printed, wrong = run_program(block.language, block.code, folder, log)
         if wrong:
-            raise ValueError(f"{path}: the block at {block.place} fails:\n{wrong}")
+            raise ValueError(f"{path}: the block at line {block.line} fails:\n{wrong}")
         outputs.append(printed)
     return outputs
 

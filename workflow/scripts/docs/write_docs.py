@@ -43,20 +43,21 @@ NOT_RUN = "!!! note\n    This page has not been run here: `snakemake --cores 2 g
 
 def not_run(source: Path) -> str:
     """A page of the gallery without links to what running it makes."""
-    if source.suffix == ".ipynb":
-        return f"# {source.stem}\n\n{NOT_RUN}"
     title, text = source.read_text(encoding="utf-8").split("\n", 1)
-    return f"{title}\n\n{NOT_RUN}" + re.sub(r"!?\[[^\]]*\]\((?!\.\.)[^)#:]*\)", "", text)
+
+    def kept(link: re.Match[str]) -> str:
+        return link[0] if (source.parent / link[1]).exists() else ""
+
+    return f"{title}\n\n{NOT_RUN}" + re.sub(r"!?\[[^\]]*\]\((?!\.\.)([^)#:]*)\)", kept, text)
 
 
 def on_files(files: Any, config: Any) -> Any:
     """MkDocs asks for it: the pages of the library lie in ``api``, those of the gallery take the place of their sources."""
     from mkdocs.structure.files import File
 
-    for source in sorted(path for path in Path(config.docs_dir, "gallery").glob("*.[mi]*") if path.stem != "index"):
+    for source in sorted(path for path in Path(config.docs_dir, "gallery").glob("*.md") if path.stem != "index"):
         name, executed = f"gallery/{source.stem}.md", GALLERY / source.stem
-        if former := files.get_file_from_path(name):
-            files.remove(former)
+        files.remove(files.get_file_from_path(name))
         if not (executed / "page.md").is_file():
             files.append(File.generated(config, name, content=not_run(source)))
             continue
@@ -72,12 +73,12 @@ def on_files(files: Any, config: Any) -> Any:
     return files
 
 
-def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """MkDocs asks for it: tables that the repository does not keep are made; a link to a notebook leads to its page, which offers it."""
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """MkDocs asks for it: tables that the repository does not keep are made."""
     sys.path[:0] = [root] if (root := str(Path(__file__).parents[3])) not in sys.path else []
     from tools.reference import with_tables
 
-    return re.sub(rf"(?<!{page.file.name})\.ipynb\)", ".md)", with_tables(markdown))
+    return with_tables(markdown)
 
 
 def write_docs(path_to_settings: str, folder: Path, log: IO[str]) -> None:
