@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from sph.command.status import Stand, State, look_at
 from sph.command.study import find_study
 from sph.jobs.ahead import TOGETHER
+from sph.jobs.known_errors import CHECKED
 from sph.scene.configuration import merge
 from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
@@ -34,7 +35,7 @@ TABLES, TABLES_A_RUN = 18.0, 0.1
 """Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
 
 PREFLIGHT_FILE = "preflight.csv"
-"""What the preflight of a study writes."""
+"""What the preflight of a study writes, after ``CHECKED``."""
 
 
 class Speed(NamedTuple):
@@ -86,8 +87,9 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, job_cost(state.job.run)) for state in states]
     times = [_started(part, state, start) + part.seconds / known.value for state, part in found]
-    checked = start + preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches))) / known.value
-    check_left = 0.0 if (base / plan.folder / PREFLIGHT_FILE).exists() else checked
+    tests, limits = preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches)))
+    checks = {CHECKED: start + tests / known.value, PREFLIGHT_FILE: start + limits / known.value}
+    test_left, limits_left = (0.0 if (base / plan.folder / file).exists() else time for file, time in checks.items())
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
     slowest: dict[Kind, float] = {}
     for state, time in zip(states, times, strict=True):
@@ -97,7 +99,7 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     longest = max((part for state, part in found if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
     runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
-    left = sum(waits) + check_left + after * bool(waits)
+    left = sum(waits) + limits_left + after * bool(waits)
     return StudyCost(
         plan.folder,
         runs,
@@ -107,10 +109,10 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         longest.steps,
         longest.seconds / known.value,
         sum(part.seconds for state, part in found if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
-        sum(times) + checked + after,
-        left,
-        # One stage after another, however many cores there are; the search beside them.
-        max(left / cores, max(sum(slowest.values()), search, check_left) + after * bool(waits) / min(cores, 8)),
+        sum(times) + sum(checks.values()) + after,
+        test_left + left,
+        # The tests first, alone; then one stage after another, however many cores there are; the searches beside them.
+        test_left + max(left / cores, max(sum(slowest.values()), search, limits_left) + after * bool(waits) / min(cores, 8)),
         cores,
         (at_once - 1) * longest.memory + max(part.memory for _, part in found),
         sum(part.disk for _, part in found),

@@ -32,6 +32,7 @@ rule stage:
         **asked(stage_row),
     params:
         **simulated(stage_row, "stage"),
+        checked=checked,
     script:
         "../scripts/simulate.py"
 
@@ -50,5 +51,6 @@ rule simulate:
         **asked(run_row),
     params:
         **simulated(run_row, "simulate"),
+        checked=checked,
     script:
         "../scripts/simulate.py"
