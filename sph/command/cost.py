@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 from sph.command.status import Stand, State, look_at
 from sph.command.study import find_study
 from sph.jobs.ahead import TOGETHER
+from sph.jobs.known_errors import CHECKED
 from sph.scene.configuration import merge
 from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
@@ -44,7 +45,7 @@ TABLES, TABLES_A_RUN = 18.0, 0.1
 """Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
 
 PREFLIGHT_FILE = "preflight.csv"
-"""What the preflight of a study writes."""
+"""What the preflight of a study writes, after ``CHECKED``."""
 
 
 class Speed(NamedTuple):
@@ -114,8 +115,9 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         TAKE_UP if of_card and state.job.run.by == SIMULATION else _started(part, state, start) + part.seconds / known.value
         for state, part in found
     ]
-    checked = start + preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches))) / known.value
-    check_left = 0.0 if (base / plan.folder / PREFLIGHT_FILE).exists() else checked
+    tests, limits = preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches)))
+    checks = {CHECKED: start + tests / known.value, PREFLIGHT_FILE: start + limits / known.value}
+    test_left, limits_left = (0.0 if (base / plan.folder / file).exists() else time for file, time in checks.items())
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
     slowest: dict[Kind, float] = {}
     for state, time in zip(states, times, strict=True):
@@ -125,8 +127,8 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     longest = max((part for state, part in found if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
     runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
-    left = sum(waits) + check_left + after * bool(waits)
-    # One stage after another, however many cores there are; the search beside them.
+    left = sum(waits) + limits_left + after * bool(waits)
+    # One stage after another, however many cores there are; the searches beside them.
     stages = of_card.left if of_card else sum(slowest.values())
     memory = (at_once - 1) * longest.memory + max(part.memory for _, part in found)
     if of_card:
@@ -140,9 +142,10 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         longest.steps,
         longest.seconds / known.value,
         sum(part.seconds for state, part in found if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
-        sum(times) + checked + after,
-        left,
-        max(left / cores, max(stages, search, check_left) + after * bool(waits) / min(cores, 8)),
+        sum(times) + sum(checks.values()) + after,
+        test_left + left,
+        # The tests first, alone.
+        test_left + max(left / cores, max(stages, search, limits_left) + after * bool(waits) / min(cores, 8)),
         cores,
         memory,
         sum(part.disk for _, part in found),

@@ -43,8 +43,7 @@ class SoFar:
     def said(self) -> str:
         """How far it is, in words."""
         size = len(self.plan.study.runs)
-        left = f"; {self.folder}/report.html follows when snakemake is done" if not self.missing else ""
-        return f"{self.folder}/{PAGE}: {size - len(self.missing)} of {size} runs{left}"
+        return f"{self.folder}/{PAGE}: {size - len(self.missing)} of {size} runs"
 
     def renew(self, growing: bool) -> bool:
         """Write the page, which a browser reads again if it is ``growing``, where anything is there that the last one had not."""
@@ -96,21 +95,27 @@ def _stand(state: State) -> str:
 
 
 def page(given: Path | None, configfile: Path | None, watching: bool, say: Callable[[str], None]) -> str:
-    """Write the page of the runs that are done; with ``watching`` again whenever there are more, until all are, which ``say`` is told.
+    """Write the page of the runs that are done, and that of the coarser fidelity at which the study has its draft; with ``watching`` again
+    whenever there are more, until all are, which ``say`` is told.
 
     ValueError where no run is done, unless they are waited for.
     """
     catalogue = find_study(given, configfile)
-    so_far = SoFar(catalogue.plan, catalogue.base)
+    plan = catalogue.plan
+    pages = [SoFar(each, catalogue.base) for each in (plan.draft, plan) if each]
     if not watching:
-        if not so_far.renew(growing=False):
-            raise ValueError(f"{so_far.folder}: no run is done yet; start the study with snakemake, and add --watch to wait for its runs")
-        return so_far.said
-    say(f"waiting for runs in {so_far.folder}; end with Ctrl-C")
+        written = [each.said for each in pages if each.renew(growing=False)]
+        if not written:
+            raise ValueError(
+                f"{pages[-1].folder}: no run is done yet; start the study with snakemake, and add --watch to wait for its runs"
+            )
+        return "\n".join(written)
+    say(f"waiting for runs in {' and '.join(each.folder for each in pages)}; end with Ctrl-C")
     while True:
         begun = clock.monotonic()
-        if so_far.renew(growing=True):
-            if not so_far.missing:
-                return so_far.said
-            say(so_far.said)
+        for each in pages:
+            if each.renew(growing=True):
+                say(each.said)
+        if not pages[-1].missing:
+            return f"{pages[-1].folder}/report.html follows when snakemake is done"
         clock.sleep(max(REFRESH, REST * (clock.monotonic() - begun)))

@@ -49,6 +49,7 @@ class Job(Protocol):
     output: Any
     params: Any
     wildcards: Any
+    config: dict[str, Any]
     log: list[str]
     threads: int
 

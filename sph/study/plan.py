@@ -113,6 +113,12 @@ class Plan:
         return self.at(fidelity) if fidelity and fidelity != self.study.fidelity and not self._subfolder else None
 
     @property
+    def draft(self) -> Plan | None:
+        """The study at its second fidelity where that is the coarser one, and so the sooner done."""
+        spacings = [plan.built(**next(iter(self.study.runs.values()))).numerics.spacing for plan in (self, self.second) if plan]
+        return self.second if spacings[-1] > spacings[0] else None
+
+    @property
     def second_runs(self) -> list[PlannedRun]:
         """Stages and runs at the second fidelity."""
         runs = [run for run in self.second.shared if run.kind != Kind.SEARCH] if self.second else []

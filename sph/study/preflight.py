@@ -1,12 +1,14 @@
 """The preflight: findings on all scenes of a study, before any of them is run.
 
-Static tests (``sph.checks.stability``) take time: the first job of a study makes them at coarser spacings than ``sph check --stability``,
-which cost a fraction of that and leave a larger error.
+Static tests (``sph.checks.stability``) take time: the first job of a study makes them, alone, so that an error stops the study before any
+run.  Searches for limits of its slopes go beside the runs.  Both have coarser spacings than ``sph check --stability``, which cost a
+fraction of that and leave a larger error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -139,23 +141,22 @@ def preflight_searches(asked: str, elsewhere: bool) -> tuple[str, ...] | None:
     return None if asked == "none" else tuple(code for code in QUESTIONS if not (quick and code == "yield-acceleration"))
 
 
-def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] | None = tuple(QUESTIONS)) -> float:
-    """Computing time on the reference machine of ``study_stability``, s, where all slopes stand; 0 without it."""
+def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] | None = tuple(QUESTIONS)) -> tuple[float, float]:
+    """Computing time on the reference machine of ``study_stability`` and of ``study_limits``, s, where all slopes stand; 0 without them."""
     if searches is None:
-        return 0.0
+        return 0.0, 0.0
     runs, statics, quick, _ = _slopes(scenes)
-    spent, slopes = 0.0, dict[str, float]()
+    tests, limits, slopes = 0.0, 0.0, set[str]()
+    coarse, fine = (len(searches) * trials for trials in QUICK_TRIALS)
+    coarse += QUICK_SENSITIVITY * ("yield-acceleration" in searches)
     for (peak_key, _), names in runs.items():
-        if spent <= LONGEST:
-            first = peak_key not in slopes
-            spent += cost(statics[names[0]]).seconds * (1 + first) + first * cost(settled(quick[names[0]])).seconds
-            coarse, fine = (len(searches) * trials for trials in QUICK_TRIALS)
-            sensitivity = QUICK_SENSITIVITY * ("yield-acceleration" in searches)
-            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], (coarse + sensitivity, fine)))
-    for number, one in enumerate(slopes.values()):
-        if number == 0 or spent <= LONGEST:
-            spent += one
-    return spent
+        first = peak_key not in slopes
+        if tests <= LONGEST:
+            tests += cost(statics[names[0]]).seconds * (1 + first) + first * cost(settled(quick[names[0]])).seconds
+        if first and limits <= LONGEST:
+            limits += search_seconds(scenes[names[0]], (coarse, fine))
+        slopes.add(peak_key)
+    return tests, limits
 
 
 def search_seconds(scene: Scene, trials: Sequence[float]) -> float:
@@ -166,17 +167,13 @@ def search_seconds(scene: Scene, trials: Sequence[float]) -> float:
     )
 
 
-def study_stability(
-    scenes: Mapping[str, Scene], say: Callable[[str], None] = print, searches: Sequence[str] = tuple(QUESTIONS)
-) -> list[Row]:
-    """What static tests of the scenes of a study say, by the names of its runs; ``searches`` of ``QUESTIONS`` are made of its slopes.
+def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = print) -> list[Row]:
+    """What static tests of the scenes of a study say, by the names of its runs.
 
-    Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``; then the
-    limits of the first slope are searched, and of the others until all has taken that long.
+    Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``.
     """
     runs, statics, quick, found = _slopes(scenes)
     peaks: dict[str, Peak] = {}
-    slopes: dict[str, list[str]] = {}
     spent, left = 0.0, list[str]()
     for (peak_key, _), names in runs.items():
         static = statics[names[0]]
@@ -184,7 +181,6 @@ def study_stability(
             left += names
             continue
         one = cost(static).seconds
-        slopes.setdefault(peak_key, []).extend(names)
         if peak_key not in peaks:
             peaks[peak_key] = at_peak(quick[names[0]])
             spent += one + cost(settled(quick[names[0]])).seconds
@@ -202,12 +198,25 @@ def study_stability(
             found.setdefault(each, []).extend(names)
     if left:
         found[finding("stability-unknown", subject="stability of further slopes")] = left
-    unsearched = list[str]()
-    for number, (peak_key, names) in enumerate(slopes.items()):
+    return _rows(found)
+
+
+def study_limits(
+    scenes: Mapping[str, Scene], tested: Sequence[Row], say: Callable[[str], None] = print, searches: Sequence[str] = tuple(QUESTIONS)
+) -> list[Row]:
+    """The limits of the slopes of a study, by ``searches`` of ``QUESTIONS`` and by limit equilibrium, of those that stand as ``tested`` by
+    ``study_stability``: of the first, and of others until that has taken ``LONGEST``."""
+    slopes: dict[str, list[str]] = {}
+    for (peak_key, _), names in _slopes(scenes).runs.items():
+        slopes.setdefault(peak_key, []).extend(names)
+    falling = {row.worst_run for row in tested if row.finding.code == "fails-unshaken"}
+    found: dict[Finding, list[str]] = {}
+    spent, unsearched = 0.0, list[str]()
+    for names in slopes.values():
         scene = scenes[names[0]]
-        if not peaks[peak_key].trial.stands or not searches:
+        if names[0] in falling or not searches:
             continue
-        if number and spent > LONGEST:
+        if spent > LONGEST:
             unsearched += names
             continue
         of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
@@ -225,6 +234,10 @@ def study_stability(
             found.setdefault(each, []).extend(names)
     if unsearched:
         found[finding("stability-unknown", subject="limits of further slopes")] = unsearched
+    return _rows(found)
+
+
+def _rows(found: Mapping[Finding, Sequence[str]]) -> list[Row]:
     return [Row(each, len(names), names[0]) for each, names in found.items()]
 
 
@@ -267,8 +280,15 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
     return found
 
 
+def tell(rows: Iterable[Row]) -> None:
+    """Show what is more than a note where the study was started."""
+    for row in rows:
+        if row.finding.counts:
+            print(f"{row.worst_run}: {line(row.finding)}", file=sys.stderr, flush=True)
+
+
 def write_preflight(path: Path | str, rows: Sequence[Row]) -> None:
-    """Write ``preflight.csv``, the most harmful finding first."""
+    """Write ``preflight.csv``, or what is known before the runs, the most harmful finding first."""
     order = sorted(rows, key=lambda row: row.finding.rank)
     lines = [
         record(row.finding) | {"runs": row.runs, "worst_run": row.worst_run, "numbers": to_json(dict(row.finding.numbers))} for row in order

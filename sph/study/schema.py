@@ -126,6 +126,11 @@ class Study(Section):
         "and limit equilibrium; full: also the yield acceleration of every slope with particles, and by it the sliding block",
         default="full",
     )
+    on_error: Literal["stop", "go_on"] = key(
+        "what happens where an error is known before the runs, as of a slope that fails without shaking or a layer that particles do not "
+        "resolve; stop: no run is made; go_on: all are",
+        default="stop",
+    )
     yield_acceleration: Literal["mean", "each"] = key(
         "for uncertain soil: mean, one search at the means of the distributions, shared by all draws; each, a search for each draw",
         default="mean",

@@ -32,6 +32,8 @@ def plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plan:
         "grid": {"S_R": ["0.10", "0.50"], "amplitude": ["4.0", "6.0"]},
         "metrics": {"places": {"house": "8 beyond the toe"}},
         "searches": "none",
+        "fidelities": {"own": {}, "coarse": {"numerics": {"spacing": 6.25}}, "fine": {"numerics": {"spacing": 2.5}}},
+        "second_fidelity": "coarse",
     }
     Path("study.yaml").write_text(yaml.safe_dump(config))
     Path("slope.yaml").write_text(yaml.safe_dump(PAPER | {"numerics": {"spacing": 5.0}}))
@@ -92,4 +94,14 @@ def test_the_page_grows_until_all_runs_are_there(plan: Plan, monkeypatch: pytest
         (1, 1, 3, page_of.RENEWED), (2, 2, 2, page_of.RENEWED), (3, 3, 1, page_of.RENEWED), (4, 4, 0, 0)
     ]  # fmt: skip
     assert len(measured) == 4, "each run is measured once"
-    assert told.stdout.strip() == f"{FOLDER}/{page_of.PAGE}: 4 of 4 runs; {FOLDER}/report.html follows when snakemake is done"
+    assert f"{FOLDER}/{page_of.PAGE}: 4 of 4 runs\n" in told.stderr
+    assert told.stdout.strip() == f"{FOLDER}/report.html follows when snakemake is done"
+
+
+def test_the_draft_of_a_study_is_shown_before_its_runs(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert plan.draft is not None and plan.draft.folder == "results/growing/coarse"
+    Path("finer.yaml").write_text(Path("study.yaml").read_text().replace("second_fidelity: coarse", "second_fidelity: fine"))
+    assert find_study(Path("finer.yaml")).plan.draft is None, "finer particles come last"
+    finish(plan.draft, "S_R-0.10_amplitude-4.0", -3.0)
+    monkeypatch.setattr(page_of, "write_page", lambda path, study: None)
+    assert call("study.yaml").stdout.strip() == "results/growing/coarse/so_far.html: 1 of 4 runs"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from sph.checks.finding import SEVERITIES, Finding, Severity, codes, finding
 from sph.checks.messages import MESSAGES, meaning, words
 from sph.checks.motion import POLARITY_RATIO, drifting, mean_period
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
-from sph.checks.stability import Peak, stability
+from sph.checks.stability import QUESTIONS, Peak, stability
 from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import MetricSettings
@@ -42,6 +43,7 @@ from sph.study.preflight import (
     read_preflight,
     standing_scene,
     study_findings,
+    study_limits,
     study_stability,
     write_preflight,
 )
@@ -65,6 +67,12 @@ BURST = 3.0 * np.sin(2 * np.pi * 2.0 * TIME) * np.sin(np.pi * TIME / 40.0) ** 2
 
 def scene(**settings: Any) -> Scene:
     return make_scene(merge(SLOPE, dotted(settings)))
+
+
+def of_study(scenes: Mapping[str, Scene], say: Callable[[str], None], searches: Sequence[str] = tuple(QUESTIONS)) -> list[Row]:
+    """What is tested before the runs, and what is searched beside them."""
+    rows = study_stability(scenes, say)
+    return rows + study_limits(scenes, rows, say, searches)
 
 
 def found(acceleration: np.ndarray) -> list[str]:
@@ -183,7 +191,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
     monkeypatch.setattr("sph.study.preflight.QUICK_TOLERANCE", wide := 4.0 * QUICK_TOLERANCE)
     scenes = {f"{ratio}-{rate}": scene(**{"coupling.S_R": ratio, "coupling.gamma": rate}) for ratio in (0.3, 0.9) for rate in (1.0, 9.0)}
     said: list[str] = []
-    rows = study_stability(scenes, said.append, ["factor-of-safety"])
+    rows = of_study(scenes, said.append, ["factor-of-safety"])
     assert [(row.finding.code, row.runs, row.worst_run) for row in rows] == [
         ("stands-unshaken", 4, "0.3-1.0"),
         ("mobilised-strength", 4, "0.3-1.0"),
@@ -204,7 +212,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
 @pytest.mark.long
 def test_a_factor_within_its_error_of_one_is_a_warning() -> None:
     slope = scene(**{"soil.cohesion": 12.0})
-    rows = study_stability({"one": slope}, lambda line: None, ["factor-of-safety"])
+    rows = of_study({"one": slope}, lambda line: None, ["factor-of-safety"])
     (limit,) = (row.finding for row in rows if row.finding.code == "factor-of-safety")
     value, error = limit.numbers["value"], limit.numbers["error"]
     assert (limit.severity == Severity.WARNING) == (value - error < 1.0) == bool(limit.keys)
@@ -214,7 +222,7 @@ def test_a_factor_within_its_error_of_one_is_a_warning() -> None:
 def test_the_first_screen_is_not_on_the_unsafe_side() -> None:
     """The quick limits reach down to what a search at the scene's own spacing extrapolates."""
     slope = scene(**{"numerics.spacing": 0.7})
-    rows = {row.finding.code: row.finding.numbers for row in study_stability({"one": slope}, lambda line: None)}
+    rows = {row.finding.code: row.finding.numbers for row in of_study({"one": slope}, lambda line: None)}
     for code, find in (("factor-of-safety", factor_of_safety), ("yield-acceleration", yield_acceleration)):
         closer = extrapolated(find, slope)
         assert abs(rows[code]["value"] - closer.value) <= rows[code]["error"] + closer.error, (code, rows[code], closer)
@@ -223,7 +231,7 @@ def test_the_first_screen_is_not_on_the_unsafe_side() -> None:
 @pytest.mark.long
 def test_each_slope_is_searched() -> None:
     scenes = {f"{cohesion}": scene(**{"soil.cohesion": cohesion}) for cohesion in (25.0, 40.0)}
-    rows = [row for row in study_stability(scenes, lambda line: None, ["factor-of-safety"]) if row.finding.code == "factor-of-safety"]
+    rows = [row for row in of_study(scenes, lambda line: None, ["factor-of-safety"]) if row.finding.code == "factor-of-safety"]
     weak, strong = (row.finding.numbers["value"] for row in rows)
     assert [row.worst_run for row in rows] == ["25.0", "40.0"] and 1.0 < weak < strong
 
@@ -232,7 +240,7 @@ def test_each_slope_is_searched() -> None:
 def test_slopes_that_are_not_searched_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(standing_scene(scene()), DEFAULT_RULE)).seconds)
     scenes = {f"{ratio}": scene(**{"coupling.S_R": ratio, "soil.cohesion": 25.0 if ratio < 0.5 else 40.0}) for ratio in (0.3, 0.9)}
-    rows = study_stability(scenes, lambda line: None, [])
+    rows = of_study(scenes, lambda line: None, [])
     assert ("stability-unknown", "0.9") in {(row.finding.code, row.worst_run) for row in rows}
 
 
@@ -244,7 +252,7 @@ def test_an_unshaken_failure_has_one_definition() -> None:
     assert DEFAULT_RULE.area == FAILED_AREA
     for cohesion in (40.0, 25.0, 12.0, 1.0):
         slope = scene(**{"soil.cohesion": cohesion, "duration": 3.5, "numerics.spacing": 0.9, "numerics.time_step": 5e-4})
-        found = {row.finding.code for row in study_stability({"one": slope}, lambda line: None, [])}
+        found = {row.finding.code for row in of_study({"one": slope}, lambda line: None, [])}
         ended = run(standing_scene(slope)).status
         assert (ended == Status.FAILED_UNSHAKEN) == bool(found & {"fails-unshaken", "softens-unshaken"}), (cohesion, found, ended)
 
@@ -311,7 +319,7 @@ def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:
 
 def test_a_slope_that_fails_unshaken_is_an_error_and_is_not_searched() -> None:
     weak = scene(**{"soil.cohesion": 1.0, "soil.friction_angle": 5.0})
-    (row,) = study_stability({"weak": weak}, lambda line: None)
+    (row,) = of_study({"weak": weak}, lambda line: None)
     assert (row.finding.code, row.finding.severity) == ("fails-unshaken", "error")
     assert words(row.finding).measured.endswith("at a spacing of 1 m"), "that of the runs, which costs little"
 
@@ -322,7 +330,7 @@ def test_a_slope_is_tested_at_the_spacing_of_its_runs_where_that_costs_little(mo
     monkeypatch.setattr("sph.study.preflight.OWN_SECONDS", 0.5 * cost(static_scene(slope, DEFAULT_RULE)).seconds)
     assert standing_scene(slope).numerics.spacing == quick_spacings(slope)[1] > 0.5
     weak = scene(**{"soil.cohesion": 1.0, "soil.friction_angle": 5.0, "numerics.spacing": 0.5})
-    (row,) = study_stability({"weak": weak}, lambda line: None)
+    (row,) = of_study({"weak": weak}, lambda line: None)
     assert words(row.finding).measured.endswith("where the runs have 0.5 m")
 
 
@@ -331,7 +339,7 @@ def test_the_strength_that_each_layer_uses_is_told_and_a_warning_where_none_is_l
     used = {"soil": 0.5, "clay": 0.991}
     monkeypatch.setattr("sph.study.preflight.at_peak", lambda static: Peak(stands, 1.0, mobilised=used))
     monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: stands)
-    found = [row.finding for row in study_stability({"one": scene()}, lambda line: None, []) if row.finding.code == "mobilised-strength"]
+    found = [row.finding for row in of_study({"one": scene()}, lambda line: None, []) if row.finding.code == "mobilised-strength"]
     assert [(each.subject, each.severity) for each in found] == [("clay", "warning"), ("soil", "note")]
     assert words(found[0]).measured == "99 % of its peak strength" and words(found[0]).key.startswith("layers.clay.soil.K0")
     assert not words(found[1]).wanted and not words(found[1]).key
@@ -351,7 +359,7 @@ def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeyp
 
     def told(begun: bool, **settings: Any) -> list[Finding]:
         monkeypatch.setattr("sph.study.preflight.at_peak", lambda static: Peak(stands, 1.0, begun=begun))
-        rows = study_stability({"one": scene(**settings)}, lambda line: None, [])
+        rows = of_study({"one": scene(**settings)}, lambda line: None, [])
         return [row.finding for row in rows if row.finding.code == "fails-softened"]
 
     (found,) = told(True)
@@ -383,7 +391,7 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
         monkeypatch.setattr(f"{place}.at_residual", lambda static: stands)
     monkeypatch.setattr("sph.checks.stability.extrapolated", unsearched)
     said: list[str] = []
-    found = {row.finding.code: row.finding for row in study_stability({"one": seam}, said.append)}
+    found = {row.finding.code: row.finding for row in of_study({"one": seam}, said.append)}
     assert found["layer-broken"].subject == "clay" and words(found["layer-broken"]).measured.endswith("at a spacing of 1 m")
     assert [line.rpartition("[")[2] for line in said if "layer-broken" in line] == ["layer-broken]"]
     assert "layer-broken" not in {each.code for each in findings(seam)}
@@ -392,7 +400,7 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
 
 def test_what_has_no_slope_is_told_with_the_reason() -> None:
     still = scene(**{"gravity.acceleration": 0.0})
-    (row,) = study_stability({"still": still}, lambda line: None)
+    (row,) = of_study({"still": still}, lambda line: None)
     assert row.finding.code == "stability-unknown" and "without gravity every slope stands" in words(row.finding).measured
 
 

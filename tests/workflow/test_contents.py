@@ -81,7 +81,7 @@ def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Pat
     weak = pd.read_csv(copied / TABLE)
     replace(copied, "strong.csv")
     assert (copied / "scenes" / AWKWARD).stat().st_mtime == LONG_AGO[0]
-    again = {"stage": 3, "measure": 1, "study": 1}
+    again = {"stage": 2, "search": 1, "measure": 1, "study": 1}
     assert planned_jobs(copied, *config, "--", TABLE) == again | {"simulate": 2}
     shown = explained(copied, monkeypatch, TABLE)
     assert shown.exit_code == DIFFERS and "motion.data.x" in shown.stdout and "0 of 2 rows agree" in shown.stdout

@@ -22,7 +22,7 @@ from sph.study.tables import read_study, read_table
 
 pytestmark = pytest.mark.long
 
-BASE: dict[str, Any] = {"scene": "slope.yaml", "fidelity": "draft", "fidelities": {"draft": {}}}
+BASE: dict[str, Any] = {"scene": "slope.yaml", "fidelity": "draft", "fidelities": {"draft": {}}, "on_error": "go_on"}
 GRID = {"study": "grid", "grid": {"soil.cohesion": ["20", "150"], "motion.frequency": ["1.0", "2.0"]}}
 CASES = {
     "study": "cases",
@@ -30,7 +30,7 @@ CASES = {
     "figures": {"runs": ["case-000002"]},
 }
 SAMPLE = {"study": "sample", "sample": {"size": 2, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [10, 200], "scale": "log"}}}}
-ONCE = {"all": 1, "preflight": 1, "figure": 5, "study_figure": 2, "measure": 1, "study": 1, "page": 1}
+ONCE = {"all": 1, "check": 1, "preflight": 1, "figure": 5, "study_figure": 2, "measure": 1, "study": 1, "page": 1}
 
 
 def configured(folder: Path, study: dict[str, Any]) -> tuple[str, str]:
@@ -47,9 +47,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     jobs = {
-        "grid": {"stage": 8, "simulate": 4},
-        "cases": {"stage": 3, "simulate": 2, "study_figure": 1},  # no map where one dimension alone varies
-        "sample": {"stage": 6, "simulate": 2},
+        "grid": {"stage": 6, "search": 2, "simulate": 4},
+        "cases": {"stage": 2, "search": 1, "simulate": 2, "study_figure": 1},  # no map where one dimension alone varies
+        "sample": {"stage": 4, "search": 2, "simulate": 2},
     }
     for study in (GRID, CASES, SAMPLE):
         config = configured(folder, study)

@@ -79,8 +79,8 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
-    once = {"all": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert planned_jobs(folder, *config) == once | {"stage": 4, "simulate": 8, "figure": 7}
+    once = {"all": 1, "check": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
+    assert planned_jobs(folder, *config) == once | {"stage": 3, "search": 1, "simulate": 8, "figure": 7}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("results/small/draft/report.html: the study on one page") == 1
@@ -88,10 +88,28 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder
     return folder
 
 
+def test_an_error_that_is_known_before_stops_the_study_before_any_run(tmp_path: Path, small_slope: SceneBuilder) -> None:
+    broken = {"lost": {"region": {"kind": "elevation", "bottom": 500.0, "top": 501.0}, "soil": {"cohesion": 5.0}}}
+    (tmp_path / "slope.yaml").write_text(yaml.safe_dump(small_slope({"layers": broken}).model_dump(mode="json")))
+    study = {"study": "broken", "scene": "slope.yaml", "grid": {"S_R": ["0.10", "0.50"]}, "searches": "none"}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
+    folder, gravity = tmp_path / "results" / "broken" / "own", "results/broken/own/stages/gravity.nc"
+    given = ("--cores", "2", "--configfile", str(tmp_path / "study.yaml"))
+    stopped = snakemake(tmp_path, *given)
+    assert stopped.returncode != 0 and not list(folder.glob("stages/*.nc")) and not list(folder.glob("runs/*.nc"))
+    for words in ("no run is made", "S_R-0.10 and 1 more: error: no particle lies in lost", "[layer-broken]", "--config on_error=go_on"):
+        assert words in stopped.stderr, stopped.stderr
+    assert next(row for row in read_preflight(folder / "checked.csv")).finding.code == "layer-broken", "what was found can be read"
+    assert snakemake(tmp_path, *given, "--config", "on_error=go_on", "--", gravity).returncode == 0
+    made = (tmp_path / gravity).stat().st_mtime_ns
+    assert snakemake(tmp_path, *given).returncode != 0 and not list(folder.glob("runs/*.nc"))
+    assert (tmp_path / gravity).stat().st_mtime_ns == made, "finished results stay"
+
+
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
-    once = {"all": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert jobs == once | {"stage": 5, "simulate": 24, "figure": 7}
+    once = {"all": 1, "check": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
+    assert jobs == once | {"stage": 4, "search": 1, "simulate": 24, "figure": 7}
 
 
 @pytest.mark.parametrize(("target", "rule"), [("results/paper/paper/runs/S_R-0.10_gamma-1_amplitude-2.0.nc", "simulate"), ("docs", "docs")])
@@ -204,6 +222,7 @@ def test_a_new_grid_value_runs_only_what_is_new(finished: Path) -> None:
     grid = STUDY["grid"] | {"S_R": ["0.10", "0.30", "0.50"]}
     assert planned_jobs(finished, *write_config(finished, grid=grid)) == {
         "all": 1,
+        "check": 1,
         "preflight": 1,
         "simulate": 4,
         "measure": 1,

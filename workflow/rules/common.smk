@@ -5,6 +5,7 @@ from sph.figures import caption as caption_of
 from sph.solver.compiled.jit import solver_digest
 from sph.study.cost import Needs, needs
 from sph.study.planned import contents, digest, planned, sources
+from sph.study.preflight import MAX_SCENES
 from sph.study.runs import SIMULATION
 
 # Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
@@ -110,6 +111,12 @@ def made_by(
         "digest": lambda wildcards: digest(of(wildcards)),
         "given": lambda wildcards, input: (function, *of(wildcards)),
     }
+
+
+def looked_at(wildcards):
+    """The scenes of the study that are checked before its runs, by run."""
+    names = PLAN.study.shown_runs(MAX_SCENES)
+    return {name: planned(PLAN.shared.runs[name].scene) for name in names}
 
 
 def searched_in(part):

@@ -9,16 +9,21 @@ from sph.jobs.catalogue import ALONE
 include: "functions/run.smk"
 
 
+# The runs of the draft have rules of their own, below.
+DRAFT = f"(?!{re.escape(PLAN.draft.folder)}/(stages|runs)/)" if PLAN.draft else ""
+FOLDERS = [
+    f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+|/sensitivity)?",
+    *map(re.escape, ALONE),
+]
+
+
 wildcard_constraints:
-    folder="|".join(
-        [f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+|/sensitivity)?"]
-        + list(map(re.escape, ALONE))
-    ),
+    folder=f"{DRAFT}({'|'.join(FOLDERS)})",
     run=".+",
 
 
 rule stage:
-    """Simulate a stage that runs share, from the one that it goes on from; or search a limit of a slope by many runs."""
+    """Simulate a stage that runs share, from the one that it goes on from."""
     input:
         restart=parent_of(stage_row),
     output:
@@ -27,13 +32,25 @@ rule stage:
         "{folder}/logs/{run}.log",
     benchmark:
         "{folder}/benchmarks/{run}.tsv"
-    priority: 10
+    wildcard_constraints:
+        run="(gravity|pre_failure).*",
+    priority: 20
     resources:
         **asked(stage_row),
     params:
         **simulated(stage_row, "stage"),
+        checked=checked,
     script:
         "../scripts/simulate.py"
+
+
+use rule stage as search with:  # of a limit of a slope by many runs, which is no hurry
+    wildcard_constraints:
+        run="(yield_acceleration|factor_of_safety).*",
+    priority: 0
+    params:
+        **simulated(stage_row, "search"),
+        checked=checked,
 
 
 rule simulate:
@@ -46,9 +63,29 @@ rule simulate:
         "{folder}/logs/{run}.log",
     benchmark:
         "{folder}/benchmarks/{run}.tsv"
+    priority: 10
     resources:
         **asked(run_row),
     params:
         **simulated(run_row, "simulate"),
+        checked=checked,
     script:
         "../scripts/simulate.py"
+
+
+if PLAN.draft:
+    # Coarser particles give a first answer early.
+
+    use rule stage as draft_stage with:
+        wildcard_constraints:
+            folder=re.escape(PLAN.draft.folder),
+            run="(gravity|pre_failure).*",
+        priority: 40
+
+    use rule simulate as draft with:
+        wildcard_constraints:
+            folder=re.escape(PLAN.draft.folder),
+        priority: 30
+        params:
+            **simulated(run_row, "draft"),
+            checked=checked,

@@ -1,13 +1,40 @@
-# Purpose: what is found before any run; from runs to numbers.
+# Purpose: what is found before any run and beside the runs; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
-# Outputs: preflight.csv, parts/*.csv, study.nc, study.csv
-from sph.study.preflight import MAX_SCENES, preflight_searches
+# Outputs: checked.csv, preflight.csv, parts/*.csv, study.nc, study.csv
+from sph.study.preflight import preflight_searches
 from sph.study.runs import SAFETY
 from sph.study.searches import slope_searches
 
 
+rule check:
+    """Look at the scenes and test whether the slopes stand unshaken: the first job of a study, alone, since an error stops its runs."""
+    output:
+        f"{RESULTS}/checked.csv",
+    log:
+        f"{RESULTS}/logs/check.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/check.tsv"
+    priority: 100
+    threads: workflow.cores or 1
+    resources:
+        **asked(lambda wildcards: PLAN.slope._replace(by=SAFETY)),
+    params:
+        **told(
+            lambda wildcards: {
+                "planned": looked_at(wildcards),
+                "size": len(PLAN.study.runs),
+                "tested": PLAN.study.searches != "none",
+            }
+        ),
+        sources=SEARCHING + ANALYSIS,
+    script:
+        "../scripts/study/check.py"
+
+
 rule preflight:
-    """Look at the scenes and test the slope unshaken: the first job of a study."""
+    """Search the limits of the slopes, and put them beside what was found in the scenes."""
+    input:
+        checked=f"{RESULTS}/checked.csv",
     output:
         report(
             f"{RESULTS}/preflight.csv",
@@ -19,17 +46,12 @@ rule preflight:
         f"{RESULTS}/logs/preflight.log",
     benchmark:
         f"{RESULTS}/benchmarks/preflight.tsv"
-    priority: 100
     resources:
         **asked(lambda wildcards: PLAN.slope._replace(by=SAFETY)),
     params:
         **told(
             lambda wildcards: {
-                "planned": {
-                    name: planned(PLAN.shared.runs[name].scene)
-                    for name in PLAN.study.shown_runs(MAX_SCENES)
-                },
-                "size": len(PLAN.study.runs),
+                "planned": looked_at(wildcards),
                 "searches": preflight_searches(
                     PLAN.study.searches, bool(PLAN.searches)
                 ),

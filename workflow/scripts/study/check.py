@@ -1,0 +1,32 @@
+"""Check the scenes of a study and test its slopes without shaking, before any run."""
+
+from collections.abc import Mapping
+from typing import TextIO
+
+from sph.checks.messages import line
+from sph.jobs.log import Job, job_log
+from sph.study.planned import Planned
+from sph.study.preflight import study_findings, study_stability, tell, write_preflight
+
+
+def check(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, tested: bool) -> None:
+    """One row per finding of the planned scenes, by run; ``size`` runs has the study, whose slopes are ``tested`` or not.
+
+    Errors and warnings are said at once.
+    """
+    scenes = {run: each.build() for run, each in planned.items()}
+    if len(scenes) < size:
+        print(f"checks {len(scenes)} of {size} runs, spread evenly through the study", file=log)
+    rows = study_findings(scenes)
+    for row in rows:
+        print(f"{row.worst_run}: {line(row.finding)}", file=log)
+    tell(rows)
+    stability = study_stability(scenes, lambda line: print(line, file=log, flush=True)) if tested else []
+    tell(stability)
+    write_preflight(path_to_csv, rows + stability)
+
+
+if __name__ == "__main__":
+    snakemake: Job
+    with job_log(snakemake.log[0]) as log:
+        check(snakemake.output[0], log, **snakemake.params.given)
