@@ -1,6 +1,6 @@
 """Whole runs on a graphics card against the processor's solver; skipped, with the reason, on a machine without one.
 
-``pytest -n 0 tests/solver/test_on_a_card.py`` with the extra ``cuda``; takes minutes, most of them to compile.
+``pytest -n 4 --dist load tests/solver/test_on_a_card.py`` with the extra ``cuda``; takes minutes, most of them to compile.
 """
 
 from __future__ import annotations
