@@ -60,7 +60,7 @@ from sph.study.planned import planned
 scene, folder = planned(read_yaml(Path(sys.argv[1]))), Path(sys.argv[1]).parent
 for name, restart, until in (("gravity", None, "gravity"), ("run", "gravity", "end")):
     file, restart = str(folder / f"{name}.nc"), restart and str(folder / f"{restart}.nc")
-    work(Task(file, str(folder / f"{name}.log"), restart, *scene, until, "simulation", False, True, "0"), [], 1)
+    work(Task(file, str(folder / f"{name}.log"), restart, *scene, until, "simulation", False, True, "cpu", "0"), [], 1)
 """
 
 
