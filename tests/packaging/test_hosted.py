@@ -81,4 +81,6 @@ def test_every_python_that_is_allowed_is_tried() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     tried = WORKFLOWS["tests"]["jobs"]["tests"]["strategy"]["matrix"]["python"]
     assert project["requires-python"] == f">={tried[0]}"
+    classified = [name.rpartition(" ")[2] for name in project["classifiers"] if re.search(r":: Python :: 3\.\d+$", name)]
+    assert classified == tried
     assert [version.split(".") for version in tried] == [["3", str(minor)] for minor in range(int(tried[0][2:]), int(tried[-1][2:]) + 1)]
