@@ -18,7 +18,7 @@ OWN = {
     "nightly": {
         ".venv/bin/pip install --no-compile --upgrade numba llvmlite snakemake && .venv/bin/pip freeze",
         ".venv/bin/pytest",
-        ".venv/bin/pytest --cov=sph --cov-report=html --cov-report=term",
+        ".venv/bin/pytest --cov=sph --cov-report=html --cov-report=term --cov-fail-under=87",
         ".venv/bin/snakemake --cores all --keep-going --config fidelity=draft -- ${{ matrix.target }}",
     },
     "tests": {".venv/bin/snakemake --cores 2 docs"},
@@ -57,6 +57,14 @@ def test_they_call_what_is_called_here() -> None:
     called = {step.get("run") for step in steps(WORKFLOWS["tests"])}
     assert {readme_test_command(), ".ci/lint"} <= called
     assert ".ci/long 500" in {step.get("run") for step in steps(WORKFLOWS["nightly"])}
+
+
+def test_coverage_has_one_floor() -> None:
+    floors = [
+        re.findall(r"pytest --cov=sph .*--cov-fail-under=(\d+)", path.read_text(encoding="utf-8"))
+        for path in (FOLDER / "nightly.yml", ROOT / "CONTRIBUTING.md")
+    ]
+    assert len(floors[0]) == 1 and floors[0] == floors[1]
 
 
 def test_ci_calls_the_command_of_the_readme() -> None:
