@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
+from itertools import accumulate
 from typing import Any
+
+DEEPEST = 100
+"""Levels of lists and objects within each other.  From where on Python's own parser gives up depends on its version, if it does."""
+_BRACKET = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"|[\[\]{}]', re.DOTALL)  # strings as well, since they may hold some
+_STEP = {"[": 1, "{": 1, "]": -1, "}": -1}
 
 
 def to_json(data: Any, **layout: Any) -> str:
@@ -22,12 +29,15 @@ def finite(data: Any) -> Any:
     return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
-def parse_json(text: str | bytes) -> Any:
+def parse_json(text: str) -> Any:
     """Plain data in a JSON text; ValueError where it is malformed, too deep, or holds a number that is not finite."""
-    try:
-        return json.loads(text, parse_constant=_number, parse_float=_number)
-    except RecursionError as error:
-        raise ValueError("its JSON is nested too deeply") from error
+    if text.count("[") + text.count("{") > DEEPEST and _depth(text) > DEEPEST:
+        raise ValueError(f"its JSON is nested too deeply: more than {DEEPEST} lists and objects within each other")
+    return json.loads(text, parse_constant=_number, parse_float=_number)
+
+
+def _depth(text: str) -> int:
+    return max(accumulate(_STEP.get(found[0], 0) for found in _BRACKET.finditer(text)), default=0)
 
 
 def _number(text: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import xml.etree.ElementTree as xml
 from pathlib import Path
 
@@ -31,6 +32,7 @@ def noisy(slid: Run) -> xr.Dataset:
 
 
 @pytest.mark.crosscheck
+@pytest.mark.skipif(sys.version_info >= (3, 14), reason="meshio 5.3.5 decodes arrays together with what follows them, which 3.14 refuses")
 def test_every_number_is_read_back_as_it_is(tmp_path: Path, noisy: xr.Dataset) -> None:
     export_paraview(noisy, tmp_path / "new" / "folder", "slide")
     for frame in range(3):

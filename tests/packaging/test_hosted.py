@@ -18,7 +18,7 @@ OWN = {
     "nightly": {
         ".venv/bin/pip install --no-compile --upgrade numba llvmlite snakemake && .venv/bin/pip freeze",
         ".venv/bin/pytest",
-        ".venv/bin/pytest --cov=sph --cov-report=html --cov-report=term",
+        ".venv/bin/pytest --cov=sph --cov-report=html --cov-report=term --cov-fail-under=87",
         ".venv/bin/snakemake --cores all --keep-going --config fidelity=draft -- ${{ matrix.target }}",
     },
     "tests": {".venv/bin/snakemake --cores 2 docs"},
@@ -59,6 +59,14 @@ def test_they_call_what_is_called_here() -> None:
     assert ".ci/long 500" in {step.get("run") for step in steps(WORKFLOWS["nightly"])}
 
 
+def test_coverage_has_one_floor() -> None:
+    floors = [
+        re.findall(r"pytest --cov=sph .*--cov-fail-under=(\d+)", path.read_text(encoding="utf-8"))
+        for path in (FOLDER / "nightly.yml", ROOT / "CONTRIBUTING.md")
+    ]
+    assert len(floors[0]) == 1 and floors[0] == floors[1]
+
+
 def test_ci_calls_the_command_of_the_readme() -> None:
     here = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     assert readme_test_command().replace("--no-compile", "-q --no-compile") in here.splitlines()
@@ -81,4 +89,6 @@ def test_every_python_that_is_allowed_is_tried() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     tried = WORKFLOWS["tests"]["jobs"]["tests"]["strategy"]["matrix"]["python"]
     assert project["requires-python"] == f">={tried[0]}"
+    classified = [name.rpartition(" ")[2] for name in project["classifiers"] if re.search(r":: Python :: 3\.\d+$", name)]
+    assert classified == tried
     assert [version.split(".") for version in tried] == [["3", str(minor)] for minor in range(int(tried[0][2:]), int(tried[-1][2:]) + 1)]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from sph.scene.strict_json import parse_json, to_json
+from sph.scene.strict_json import DEEPEST, parse_json, to_json
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -40,6 +40,12 @@ def test_what_is_not_finite_is_null(data: Any, text: str) -> None:
 def test_what_is_no_json_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r".+"):
         parse_json(text)
+
+
+def test_depth_is_that_of_lists_and_objects_alone() -> None:
+    assert parse_json("[" * DEEPEST + '"[[\\\\"' + "]" * DEEPEST) and len(parse_json("[" + "[]," * 200 + r'"\"[[{"]')) == 201
+    with pytest.raises(ValueError, match="nested too deeply: more than 100"):
+        parse_json('{"a":' + "[" * DEEPEST + "]" * DEEPEST + "}")
 
 
 def test_all_json_is_written_and_read_here() -> None:
