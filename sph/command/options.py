@@ -49,7 +49,10 @@ Spacings = Annotated[
     ),
 ]
 Single = Annotated[bool, typer.Option("--single", help="search only at the scene's own spacing, without extrapolation")]
-Unit = Annotated[str | None, typer.Option("--unit", help="unit of a record whose file does not state it: m/s2, cm/s2, gal or g")]
+Unit = Annotated[
+    str | None,
+    typer.Option("--unit", help="unit of a record whose file does not state it: m/s2, cm/s2, gal or g; m/s or cm/s of velocities"),
+]
 Component = Annotated[
     str | None,
     typer.Option(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from pydantic import model_validator
+from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from sph.scene.configuration import Section, key, whole_multiple
+from sph.scene.configuration import Section, key, whole_multiple, without_unnamed
 from sph.scene.motion import ConstantAcceleration
 
 if TYPE_CHECKING:
@@ -85,6 +85,20 @@ class Bedrock(Section):
     density: float = key("density", "kg/m3", ge=1e-3, le=1e5)
     s_wave_speed: float = key("speed of shear waves", "m/s", gt=0, le=1e5)
     p_wave_speed: float = key("speed of pressure waves, at least sqrt(4/3) that of shear waves", "m/s", gt=0, le=1e5)
+    spring_frequency: float | None = key(
+        "frequency below which the bedrock is a spring and no dashpot, so that it carries loads that come after the gravity stage and "
+        "stay, as those of soil that has slid; well below the frequencies of the motion; null: none",
+        "Hz",
+        "ours",
+        gt=0,
+        le=100,
+        default=None,
+    )
+
+    @model_serializer(mode="wrap")
+    def _stored(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without a spring that nobody named, so that what is stored of other scenes stays as it was."""
+        return without_unnamed(self, handler(self), ("spring_frequency",))
 
     @model_validator(mode="after")
     def _stable(self) -> Bedrock:

@@ -78,7 +78,7 @@ class Water(SurveyLine):
     )
     unit_weight: float = key("unit weight of water, for a level or a line", "kN/m3", gt=0, le=100, default=9.81)
     excess_pressure: ExcessPressure | None = key(
-        "pore pressure that cyclic shear raises in loose sand, with pressure: carried; null: none", default=None
+        "pore pressure that cyclic shear raises in loose sand, which carries it along; null: none", default=None
     )
 
     @classmethod
@@ -109,6 +109,11 @@ class Water(SurveyLine):
         if self.points is not None:
             check_line(self.points, [f"points.{number}" for number in range(len(self.points))], steps=False)
         return self
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether soil carries a pore pressure along, all of it or what cyclic shear raises."""
+        return self.pressure == "carried" or self.excess_pressure is not None
 
     @property
     def line(self) -> np.ndarray:
@@ -169,12 +174,11 @@ def check_water(scene: Scene) -> None:
             f"gravity.inclination: {scene.gravity.inclination} degree with water needs water.r_u and geometry.shape: block, "
             "since depths count along the vertical"
         )
-    if water.pressure == "carried" and any(soil.dilation_angle > 0 for soil in scene.soils):
-        raise ValueError(
-            "soil.dilation_angle: above 0 with water.pressure: carried, that of soil that keeps its volume; set it to 0 in all layers"
-        )
-    if water.pressure == "carried" and scene.walls.friction is not None:
-        raise ValueError("walls.friction: with water.pressure: carried it acts on total, not effective, stress; choose contact walls")
+    carried = "water.pressure: carried" if water.pressure == "carried" else "water.excess_pressure"
+    if water.is_carried and any(soil.dilation_angle > 0 for soil in scene.soils):
+        raise ValueError(f"soil.dilation_angle: above 0 with {carried}, that of soil that keeps its volume; set it to 0 in all layers")
+    if water.is_carried and scene.walls.friction is not None:
+        raise ValueError(f"walls.friction: with {carried} it acts on total, not effective, stress; choose contact walls")
     if water.points is not None:
         ends = sorted(float(geometry.in_survey(x, 0.0)[0]) for x in (0.0, geometry.width))
         near = 1e-6 * geometry.width
@@ -212,11 +216,6 @@ def _check_excess_pressure(scene: Scene) -> None:
                 f"{path}.{name}: {getattr(soil, name):g} needs water.excess_pressure; write it ({{}} for its defaults) or null"
             )
         return
-    assert scene.water is not None
-    if scene.water.pressure != "carried":
-        raise ValueError(
-            f"water.excess_pressure: with water.pressure: {scene.water.pressure}, of soil whose water flows off; write pressure: carried"
-        )
     if not sands:
         raise ValueError("water.excess_pressure: needs a soil or a layer with blow_count or relative_density, whose pressure rises")
     numbers = [path for path, soil in sands if soil.liquefied_strength is not None or soil.liquefied_strength_ratio is not None]

@@ -66,7 +66,7 @@ def test_cyclic_resistance_grows_as_its_curve() -> None:
     ("keys", "message"),
     [
         ({"water.excess_pressure": None}, "soil.blow_count: 10 needs water.excess_pressure"),
-        ({"water.pressure": "by_place"}, "water.excess_pressure: with water.pressure: by_place"),
+        ({"water.pressure": "by_place", "soil.dilation_angle": 5.0}, "soil.dilation_angle: above 0 with water.excess_pressure"),
         ({"soil.blow_count": None}, "water.excess_pressure: needs a soil or a layer with blow_count"),
         ({"soil.relative_density": 50.0}, "relative_density: 50 % beside blow_count: 10"),
         ({"soil.blow_count": None, "soil.fines_content": 20.0}, "fines_content: 20 needs a blow_count"),

@@ -61,7 +61,9 @@ def test_dashpots_add_up_to_the_impedance() -> None:
     particles, dx = place_particles(scene), 2.0
     impedances = [scene.soil.density * speed for speed in (scene.soil.p_wave_speed, scene.soil.s_wave_speed)]
     term = make_absorbing(scene, particles, make_kernel("cubic_spline", 2.6), 1e-3)
-    assert term is not None
+    sprung = make_absorbing(slope({"walls.bedrock": {**ROCK, "spring_frequency": 0.1}}), particles, make_kernel("cubic_spline", 2.6), 1e-3)
+    np.testing.assert_allclose(sprung.hold, 0.2 * np.pi * term.base)
+    assert not term.hold.any() and term.base.any()
     moving = slice(particles.n_soil, particles.first_fixed)
     x, y, mass, kind = (getattr(particles, name)[moving] for name in ("x", "y", "mass", "kind"))
     for along in (-5.0, 11.0):

@@ -260,3 +260,14 @@ def test_coefficients_of_a_scene() -> None:
         numbers = make_scene(merge(SAND, {"soil": {f"liquefied_strength{key}": value}}))
         found = Simulation(numbers).terms.cyclic_pore_pressure.residual
         np.testing.assert_allclose(found[clean], expected, rtol=1e-9)
+
+
+def test_water_by_place_leaves_what_shaking_raises_to_the_soil() -> None:
+    # Five metres of standing water change no effective stress; what a particle carries along is the rise alone.
+    flooded = make_scene(merge(SAND, {"water": {"pressure": "by_place", "level": 25.0}}))
+    full = make_scene(merge(SAND, {"water": {"level": 20.0}}))
+    terms, carried = Simulation(flooded).terms, Simulation(full).terms
+    assert terms.seepage is not None and not terms.pore_pressure.pressure.any()
+    assert carried.seepage is None and carried.pore_pressure.pressure.any()
+    np.testing.assert_allclose(terms.cyclic_pore_pressure.vertical, carried.cyclic_pore_pressure.vertical, rtol=1e-12)
+    np.testing.assert_allclose(terms.cyclic_pore_pressure.residual, carried.cyclic_pore_pressure.residual, rtol=1e-12)

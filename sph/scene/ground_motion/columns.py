@@ -80,6 +80,15 @@ def columns_of(names: list[str]) -> Columns:
     return Columns(times[0], next(iter(horizontal), None), next(iter(vertical), None))
 
 
+def velocity_of(names: list[str]) -> Columns | None:
+    """Places of time and horizontal velocity where columns hold one velocity and no acceleration; None otherwise."""
+    kinds = [quantity(name) for name in names]
+    if "acceleration" in kinds or kinds.count("velocity") != 1 or kinds.count("time") != 1:
+        return None
+    place = kinds.index("velocity")
+    return None if direction_of(names[place]) == "vertical" else Columns(kinds.index("time"), place, None)
+
+
 def _axis(name: str) -> str:
     """x or y where a name is that of an axis ('ax', 'acc y'): y points up beside x."""
     return next((word[-1] for word in words(name) if re.fullmatch(r"(a|acc?)?[xy]", word)), "")

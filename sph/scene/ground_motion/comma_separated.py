@@ -1,7 +1,8 @@
 """Records as columns (``.csv``): time (s), horizontal and, if there is a third column, vertical acceleration.
 
 A first line may name the columns with their units: ``time (s), ax (cm/s2), ay (cm/s2)``; then the names decide which columns are read, in
-any order and beside others.  A time without a unit is in s; where a file does not say the unit of an acceleration the user must.
+any order and beside others; a single column of velocity without one of acceleration, as ``velocity (m/s)``, is differentiated.
+A time without a unit is in s; where a file does not say the unit of an acceleration the user must.
 Columns stand between commas, semicolons, tabs or blanks, as those of ground lines.  Lines with '#' are left out, but the last one before
 the samples may hold the names.
 """
@@ -16,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.cells import COMMENT, cells, check_commas, names
-from sph.scene.ground_motion.columns import columns_of, quantity
+from sph.scene.ground_motion.columns import columns_of, quantity, velocity_of
 from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
 from sph.scene.ground_motion.text import MAX_ACCELERATION, MAX_TIME, MIN_INTERVAL, number, read_lines
-from sph.scene.ground_motion.units import Unit, size_of, unit_of_column
+from sph.scene.ground_motion.units import SPEEDS, VELOCITIES, Unit, differentiated, size_of, speed_of, unit_of_column
 from sph.scene.ground_motion.untimed import REMEDY, is_untimed, read_untimed
 from sph.scene.units import SECONDS, unit_of
 
@@ -32,6 +33,7 @@ class Table(NamedTuple):
     width: int  # columns in a line
     places: tuple[int, ...]  # of time and accelerations
     scales: tuple[float, ...]  # s and m/s2
+    is_velocity: bool = False  # m/s, not m/s2
 
 
 def read_csv(path: Path | str, unit: Unit | None = None, wanted: Direction = "horizontal", third: bool = True) -> tuple[np.ndarray, ...]:
@@ -75,7 +77,10 @@ def read_csv(path: Path | str, unit: Unit | None = None, wanted: Direction = "ho
         rows.append(numbers)
     if len(rows) < 2:
         raise ValueError(f"{path}: must hold at least two samples of time (s) and acceleration (m/s2) (found {len(rows)})")
-    return tuple(np.array(rows).T)
+    time, *found = np.array(rows).T
+    if table is not None and table.is_velocity:
+        found = [differentiated(path, time, found[0])]
+    return time, *found
 
 
 def _finite(where: str, line: str, places: Sequence[int]) -> list[float]:
@@ -109,6 +114,8 @@ def _table(
             untimed = "" if width in (2, 3) else f"; if these are samples without times, {REMEDY}"
             raise ValueError(f"{path}, line {at}: must have {expected}, has {width} (found {line[:80]!r}){untimed}")
         _finite(f"{path}, line {at}", line, range(width))
+        if unit in SPEEDS and width == 2:
+            return Table(width, (0, 1), (1.0, SPEEDS[unit]), True)
         size = size_of(f"{path}, line {at} (no names of columns)", None, unit)
         places = (0, 1, 2)[:width]
         if width == 3 and wanted == "vertical":
@@ -117,7 +124,14 @@ def _table(
     named, where = names(head[1], line), f"{path}, line {head[0]}"
     if len(named) != width:
         raise ValueError(f"{where}: names {len(named)} columns, the lines below have {width}")
+    velocity = velocity_of(named) if wanted == "horizontal" else None
     try:
+        if velocity is not None:
+            place = velocity.horizontal
+            assert place is not None
+            seconds, stated_speed = unit_of(named[velocity.time], SECONDS), unit_of(named[place], VELOCITIES)
+            size = speed_of(f"{named[place]!r}", stated_speed, unit)
+            return Table(width, (velocity.time, place), (1.0 if seconds is None else seconds, size), True)
         time, horizontal, vertical = columns_of(named)
         own, other = (horizontal, vertical) if wanted == "horizontal" else (vertical, horizontal)
         if own is None:

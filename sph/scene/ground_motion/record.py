@@ -100,7 +100,11 @@ class Record(Section):
         "horizontal component in a file that holds several (CSMIP, GeoNet, AFAD, UNAM): its name in the file, as N-S, or its number",
         default=None,
     )
-    unit: Unit | None = key("m/s2, cm/s2, gal or g, for files that do not state their unit, such as CSV without column names", default=None)
+    unit: Unit | None = key(
+        "m/s2, cm/s2, gal or g, for files that do not state their unit, such as CSV without column names; m/s or cm/s for samples that are "
+        "velocities, in CSV or without times, which are differentiated",
+        default=None,
+    )
     vertical: Vertical | None = key("vertical component; null: none", default=None)
     start: float = key("time at which the record, as processed, begins", "s", ge=0, le=1e4)
     amplitude: Acceleration | None = key(

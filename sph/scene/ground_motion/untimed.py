@@ -2,7 +2,8 @@
 
 The head is lines of text, if any, and a line as '4000 0.005', '4000, 0.005', '4000 0.005 NPTS, DT' or 'NPTS= 4000, DT= 0.005 SEC'; the
 samples follow, as many a line as one likes.  Below such a head there may also be pairs of time and acceleration, as DEEPSOIL has them.
-The unit is that which a line of the text names ('acceleration in g', 'units: gal'), or that which the user states.
+The unit is that which a line of the text names ('acceleration in g', 'units: gal'), or that which the user states; m/s and cm/s are
+those of velocities, which are differentiated.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 
 from sph.scene.ground_motion.direction import Direction, check_header
 from sph.scene.ground_motion.text import check_head, number, read_lines, samples
-from sph.scene.ground_motion.units import ACCELERATIONS, Unit, size_of, unit_in
+from sph.scene.ground_motion.units import ACCELERATIONS, SPEEDS, Unit, differentiated, size_of, speed_of, unit_in
 from sph.scene.units import factor_in
 
 NUMBER = r"([-+]?\d*\.?\d+(?:[eEdD][-+]?\d+)?)"
@@ -67,13 +68,16 @@ def read_untimed(path: Path | str, unit: Unit | None = None, wanted: Direction =
         raise ValueError(f"{path}: holds samples without times, and no line that counts them; {REMEDY}")
     check_head(path, head.number, head.interval)
     check_header(path, lines[: head.at], wanted)
-    scale = size_of(path, _unit(path, lines[: head.at]), unit)
+    above = " ".join(lines[: head.at])
+    is_velocity = bool(re.search(r"(?<![a-z])vel", above, re.I)) or unit in SPEEDS and not re.search(r"(?<![a-z])acc", above, re.I)
+    scale = speed_of(path, None, unit) if is_velocity else size_of(path, _unit(path, lines[: head.at]), unit)
     below = [(at, line) for at, line in enumerate(lines[head.at + 1 :], head.at + 2) if line.strip()]
     if len(below) == head.number and all(len(line.split()) == 2 for _, line in below):
         _check_times(path, below, head.interval)
         lines = [*lines[: head.at + 1], *(line.split()[1] for _, line in below)]
     acceleration = samples(path, lines, head.at + 1, WIDTH, scale, head.number, head.at + 1)
-    return head.interval * np.arange(head.number), acceleration
+    time = head.interval * np.arange(head.number)
+    return time, differentiated(path, time, acceleration) if is_velocity else acceleration
 
 
 def _unit(path: Path | str, texts: list[str]) -> float | None:

@@ -13,7 +13,8 @@ the scene's motion is that of the outcrop, twice the wave that comes up, and dis
 bedrock grows the base becomes the rigid one.  The bedrock begins below the boundary particles, ``walls.layers`` spacings under y = 0.
 v is the mean sum_j w_j v_j over the base's particles in a column, so that one traction -Z v acts on the column.  Dashpots on the v_i of
 each layer are a drag within the soil: over stiff rock they held the upper layer too, and a layer of 20 spacings on rock of 20 times its
-impedance swung 15 % too little in its first mode.
+impedance swung 15 % too little in its first mode.  With ``walls.bedrock.spring_frequency`` f a spring of 2 pi f Z lies beside the dashpot:
+rock under a loaded width b is one below V / (2 pi b).
 
 **Sides**: Z = rho V_p across and rho V_s along, on what differs from the velocity v_ff of the level ground beside them, whose stresses
 tau_ff on upright planes act too (``sph.solver.boundaries.free_field``); v is v_i.  omega_1 is the first natural frequency of that ground,
@@ -28,12 +29,12 @@ w_i is the sum of their kernel gradients.  Of the energy of a pulse five spacing
 spacings; dashpots on the outermost layer alone leave 1.0 and 23 %, on all layers alike 1.1 and 4.7 %.  Dashpots are integrated exactly
 for a constant force and so do not limit the time step.
 
-Limits.  A dashpot takes a wave that meets it square; grazing waves are given back in part, and waves near omega_1 as well.  The base
-holds no static load that comes later, and the static reaction goes on where the soil that it held has gone: the base then moves for good,
-slowly, with Z v = change of traction.  In the paper's scene, which fails from wall to wall, it moves by 0.5 m in the end.  Keep sides at
-places that stay level, elastic ground.  Faces (``sph.solver.boundaries.faces``) do not guard these walls: debris that runs over
-a side's ground falls out of the model and ends the run.  The static reaction is that at the end of the gravity stage:
-soil that still swings then leaves a small false load.
+Limits.  A dashpot takes a wave that meets it square; grazing waves are given back in part, and waves near omega_1 as well.  Without a
+spring the base holds no static load that comes later, and the static reaction goes on where the soil that it held has gone: the base then
+moves for good, slowly, with Z v = change of traction.  In the paper's scene, which fails from wall to wall, it moves by 0.5 m in the end.
+Keep sides at places that stay level, elastic ground.  Faces (``sph.solver.boundaries.faces``) do not guard these walls: debris that runs
+over a side's ground falls out of the model and ends the run.  The static reaction is that at the end of the gravity stage: soil that still
+swings then leaves a small false load.
 """
 
 from __future__ import annotations
@@ -80,6 +81,7 @@ class AbsorbingWalls(NamedTuple):
     in_base: int  # particles of the base, which come first
     side: np.ndarray  # (2, boundary) that of the dashpots beside them
     spring: np.ndarray  # (2, boundary) stiffness of the ground beside them over their mass, 1/s2
+    hold: np.ndarray  # (2, boundary) that of the bedrock below them
     outward: np.ndarray  # (boundary,) acceleration to the right by the free field's stress over that stress, m2/kg
     node: np.ndarray  # (boundary,) node of the free field beside
 
@@ -97,6 +99,8 @@ def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel, dt: float
     side = over_mass * weights[np.where((column < 0) | right, beside, layers)] * scene.walls.kinds.sides.absorbs
     weight = weights[np.where(particles.kind[moving] == BASE, layers + row, layers)] * scene.walls.kinds.base.absorbs
     base = over_mass * weight * below(scene, layer).impedance
+    rock = scene.walls.bedrock
+    held = 0.0 if rock is None or rock.spring_frequency is None else 2.0 * math.pi * rock.spring_frequency
     in_base = int(np.count_nonzero(particles.kind[moving] == BASE))
     rate = np.zeros_like(base)
     rate[:, :in_base] = np.repeat((weight * base)[:, :in_base].reshape(2, -1, layers).sum(axis=2), layers, axis=1)
@@ -109,6 +113,7 @@ def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel, dt: float
         in_base=in_base,
         side=dashpots,
         spring=dashpots * first_frequencies(scene, particles)[:, right.astype(int)],
+        hold=held * base,
         outward=np.where(right, side, -side),
         node=np.where(side > 0.0, row + rows_below(scene) + right * free_field_nodes(scene, particles)[0], 0),
     )
@@ -214,8 +219,8 @@ def _kick_boundary(
             held -= mass[i] * (state.reaction_x[b] * mean_x + state.reaction_y[b] * mean_y)
             viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
             taken += mass[i] * ((ax - (vx - vx_old) / dt) * mean_x + (ay - (vy - vy_old) / dt) * mean_y)
-            state.reaction_x[b] += walls.spring[0, b] * (mean_x - free_vx) * dt
-            state.reaction_y[b] += walls.spring[1, b] * (mean_y - free_vy) * dt
+            state.reaction_x[b] += (walls.spring[0, b] * (mean_x - free_vx) + walls.hold[0, b] * mean_x) * dt
+            state.reaction_y[b] += (walls.spring[1, b] * (mean_y - free_vy) + walls.hold[1, b] * mean_y) * dt
     return shaking * dt, held * dt, viscous * dt, taken * dt
 
 

@@ -14,7 +14,8 @@ This water is for ``water.pressure: carried``.  A particle keeps the u of its in
 
 Where the skeleton opens, its pressure below what the surface bears in tension, the water opens with it: u falls by the cut-off tension,
 and no lower than zero, so that soil without cover does not burst.  What cyclic shear adds to u is another term
-(``sph.solver.physics.cyclic_pore_pressure``); a change of the mean stress is taken by the skeleton.  Undrained soil keeps its volume: with
+(``sph.solver.physics.cyclic_pore_pressure``), which a particle carries along beside water by place as well: then this u is that rise alone,
+and the pressure of the place acts as seepage.  A change of the mean stress is taken by the skeleton.  Undrained soil keeps its volume: with
 a dilation angle the water's constant pressure would make energy, and such scenes are refused.  While gravity is brought on u grows with it.
 The work of the water on changes of volume counts as dissipated energy.
 """
@@ -43,7 +44,7 @@ class PorePressure(NamedTuple):
     """Coefficients of the term."""
 
     pressure: np.ndarray
-    """(particles with a stress of their own,) u, Pa"""
+    """(particles with a stress of their own,) u at the start, Pa; 0 where seepage acts by place"""
     ramp: float
     """time in which gravity is brought on, s"""
 
@@ -75,19 +76,30 @@ def pore_pressure(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def effective_overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Vertical effective stress (n,) of the soil above places (n,) of the initial slope, Pa, compression positive; never tension."""
+    """Vertical effective stress (n,) of soil and standing water above places (n,) of the initial slope, Pa, compression; never tension."""
     vertical = scene.gravity.acceleration * overburden(scene, x, y)
-    return vertical if scene.water is None else np.maximum(vertical - pore_pressure(scene, x, y), 0.0)
+    return vertical if scene.water is None else np.maximum(vertical + _standing(scene, x) - pore_pressure(scene, x, y), 0.0)
+
+
+def _standing(scene: Scene, x: np.ndarray) -> np.ndarray:
+    """Pressure (n,) of standing water on the ground at places (n,), Pa."""
+    assert scene.water is not None
+    if scene.water.r_u is not None:
+        return np.zeros(np.shape(x))
+    x = x + scene.numerics.lattice_shift * scene.numerics.spacing
+    return np.maximum(1e3 * scene.water.unit_weight * (scene.water.surface(scene.geometry, x) - scene.geometry.ground(x)), 0.0)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> PorePressure:
+    assert scene.water is not None
     stressed = slice(0, particles.first_no_slip)
-    return PorePressure(pore_pressure(scene, particles.x[stressed], particles.y[stressed]), float(scene.gravity.ramp))
+    u = pore_pressure(scene, particles.x[stressed], particles.y[stressed])
+    return PorePressure(u if scene.water.pressure == "carried" else np.zeros_like(u), float(scene.gravity.ramp))
 
 
 TERM = Term(
     "pore_pressure",
-    "water.pressure: carried, undrained soil",
-    lambda scene: scene.water is not None and scene.water.pressure == "carried",
+    "water.pressure: carried, undrained soil; water.excess_pressure",
+    lambda scene: scene.water is not None and scene.water.is_carried,
     _make,
 )

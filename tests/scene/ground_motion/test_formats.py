@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from sph.command.cli import app
 from sph.scene.ground_motion import read_components, read_record
 from sph.scene.ground_motion.direction import Direction
+from sph.scene.ground_motion.units import Unit
 
 INTERVAL, RATE = 0.01, 100
 TIME = np.arange(1000) * INTERVAL
@@ -221,7 +222,7 @@ BAD = [
     ("unknown.V2", TEXTS["a.V2"].replace("     5.000000", "  -999.000000").replace("    10.000000", "  -999.000000"), ("lines 26-42",)),
     (*replaced("a.csv", "cm/s2", "furlong"), ("line 1", "'ax (furlong)'", "m/s2, cm/s2, gal, g")),
     (*replaced("a.csv", "time (s)", "time (min)"), ("line 1", "'time (min)'", "must be s or ms")),
-    (*replaced("a.csv", "ax (cm/s2)", "velocity"), ("line 1", "'velocity' is no acceleration")),
+    (*replaced("a.csv", "ax (cm/s2)", "velocity"), ("line 1", "'velocity': holds velocities by its own words")),
     ("title.csv", "El Centro in g\n0,1\n1,1\n", ("line 1", "names 1 columns", "have 2")),
     ("half.csv", "t,ax (g),ay\n0,1,1\n1,1,1\n", ("line 1: 'ay'", "does not say its unit")),
     (*replaced("a.csv", "0.02,", "0.01,"), ("line 4", "greater than 0.01 s")),
@@ -492,3 +493,40 @@ def test_t_is_transverse_beside_a_time_or_l_and_v_vertical(tmp_path: Path, head:
         (tmp_path / "b.csv").write_text(untimed + "\n" + "0.1,0.2,0.3\n"[-4 * (untimed.count(",") + 1) :])
         with pytest.raises(ValueError, match=r"b\.csv, line 1: .* name no columns of time"):
             read_components(tmp_path / "b.csv", "g")
+
+
+SPEED = (1.0 - np.cos(2 * np.pi * TIME)) / np.pi
+"""Velocity of the sine, m/s."""
+SPEEDS: dict[str, tuple[str, Unit | None]] = {
+    "named.csv": ("time (s), velocity (cm/s)\n" + "\n".join(f"{t:.2f},{100 * v:.9g}" for t, v in zip(TIME, SPEED, strict=True)), None),
+    "bare.csv": ("\n".join(f"{t:.2f},{v:.9g}" for t, v in zip(TIME, SPEED, strict=True)), "m/s"),
+    "counted.txt": ("Rock (Velocity in mps, TS=0.01s)\n1000, 0.01\n" + "\n".join(f"{v:.9g}" for v in SPEED), "m/s"),
+}
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+def test_velocities_are_differentiated(tmp_path: Path, name: str) -> None:
+    text, unit = SPEEDS[name]
+    (tmp_path / name).write_text(text)
+    acceleration = read_record(tmp_path / name, unit).acceleration
+    # Central differences of a sine are short by (2 pi INTERVAL)^2 / 6; one-sided ones at the ends by more.
+    np.testing.assert_allclose(acceleration[1:-1], SINE[1:-1], atol=2.0 * (2 * np.pi * INTERVAL) ** 2 / 5)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "unit", "message"),
+    [
+        ("a.csv", "time (s), velocity\n0,0\n0.1,1\n", None, r"'velocity'.*holds velocities by its own words.*m/s, cm/s"),
+        ("a.csv", "time (s), velocity (m/s)\n0,0\n0.1,1\n", "g", "holds velocities by its own words"),
+        ("a.csv", "time (s), velocity (m/s)\n0,0\n0.1,1\n", "cm/s", "in another unit by its own words"),
+        ("a.csv", "time (s), velocity (m/s), displacement (m)\n0,0,0\n1e-5,9999,0\n", None, "velocities are those of more than"),
+        ("a.csv", "time (s), acc\n0,0\n0.1,1\n", "m/s", "holds accelerations by its own words or its format"),
+        ("a.txt", "Velocity\n2 0.1\n0\n1\n", "m/s2", "holds velocities by its own words"),
+        ("a.txt", "Acceleration\n2 0.1\n0\n1\n", "m/s", "holds accelerations by its own words"),
+        ("a.at2", at2(SINE, INTERVAL), "m/s", "holds accelerations by its own words or its format"),
+    ],
+)
+def test_what_may_be_velocity_or_acceleration_is_refused(tmp_path: Path, name: str, text: str, unit: Unit | None, message: str) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(ValueError, match=message):
+        read_record(tmp_path / name, unit)
