@@ -5,6 +5,7 @@ are effective.  No law here is fitted to runs.
 
 * Volumetric strain by cyclic shear: Byrne (1991), whose coefficient C1 is 8.7 (N1)60^-1.25 or 7600 D_r^-2.5 with D_r in per cent; the two
   are one with D_r = 15 sqrt((N1)60).
+* Overburden: Liao and Whitman (1986).
 * Fines: Idriss and Boulanger (2008) for the resistance to liquefaction, Seed (1987) for the residual strength.
 * Residual strength: Idriss and Boulanger (2008), where void redistribution can matter and where it cannot; Kramer and Wang (2015).
 """
@@ -37,6 +38,11 @@ def volume_coefficient_of_density(relative_density: float) -> float:
 def blow_count_of_density(relative_density: float) -> float:
     """(N1)60 for a relative density, %, by which both forms of C1 are one."""
     return (relative_density / 15.0) ** 2
+
+
+def normalised_blow_count(blow_count: np.ndarray, vertical: np.ndarray) -> np.ndarray:
+    """(N1)60 (n,) of N60 (n,) under vertical effective stresses (n,), Pa: Liao and Whitman (1986), at most 1.7 times."""
+    return blow_count * np.minimum(np.sqrt(ATMOSPHERE / vertical), 1.7)
 
 
 def clean_sand(blow_count: float, fines: float) -> float:
