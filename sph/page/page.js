@@ -283,6 +283,7 @@
   function list(id, rows, tag) {
     byId(id).replaceChildren(...rows.map(([name, value]) => {
       const row = document.createElement("div");
+      row.classList.toggle("whole", name === "liquefaction"); // a sentence
       row.appendChild(document.createElement("dt")).textContent = name;
       row.appendChild(document.createElement("dd")).appendChild(document.createElement(tag)).textContent = value;
       return row;
