@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy: beside other workers its threads wait for each other, and spin
+
 import sys
 from collections.abc import Iterator
 from types import SimpleNamespace

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -15,6 +16,7 @@ from sph.measures.metrics import MetricSettings
 from sph.output.run import Run
 from sph.scene.configuration import Section, key
 from sph.scene.schema import Scene, make_scene
+from sph.solver.compiled.jit import compile_lock
 from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
@@ -86,7 +88,9 @@ class Experiment(NamedTuple):
 
     def plan(self, file: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> Any:
         """Its design; where it stands alone, the runs of it in its folder."""
-        design = self.load(file, study, folders, check)
+        # Taken anew for each of some thousand scenes, the lock would be two thirds of their checks.
+        with compile_lock(required=False) if check else nullcontext():
+            design = self.load(file, study, folders, check)
         for name, run in design.runs.items() if self.alone else ():
             design.runs[name] = run._replace(id=name, folder=self.folder, target=self.name, group=run.group or self.name)
         return design

@@ -32,7 +32,7 @@ def test_a_table_of_the_release_has_the_columns_of_the_experiment(name: str) -> 
 def test_what_a_measuring_job_is_given_has_the_same_digest_each_time() -> None:
     # Snakemake compares it: an address in memory would make every table anew.
     for name in ("assumptions", "robustness", "cost-accuracy"):
-        one, other = (EXPERIMENTS[name].plan(f"config/{name}.yaml", study_plan(), [ROOT]) for _ in range(2))
+        one, other = (EXPERIMENTS[name].plan(f"config/{name}.yaml", study_plan(), [ROOT], check=False) for _ in range(2))
         assert digest(one.parameters) == digest(other.parameters) and " at 0x" not in repr(one.parameters)
         assert list(one.runs) == list(other.runs)
 

@@ -42,8 +42,9 @@ def debris(spacing: float, ground: float = 0.0, interfaces: str = "weaker", own:
     if own:
         peak = {"cohesion": 1000.0, "residual_cohesion": 1e-3 * YIELD, "residual_friction_angle": 0.0}
         data = merge(data, {"soil": peak, "coupling": {"initial_state": "solid"}})
-    top = -1.0 if own else ground or -1.0  # without strong soil its layer is below the base, so that all scenes have the same terms
-    return make_scene(merge(data, {"layers": {"strong": {"region": {"kind": "elevation", "top": top}, "soil": {"cohesion": 1000.0}}}}))
+    # Without strong soil its layer is below the base, and stronger than the soil, so that all scenes have the same terms.
+    layer = {"region": {"kind": "elevation", "top": -1.0 if own else ground or -1.0}, "soil": {"cohesion": 2000.0 if own else 1000.0}}
+    return make_scene(merge(data, {"layers": {"strong": layer}}))
 
 
 @functools.cache

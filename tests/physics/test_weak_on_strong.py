@@ -164,7 +164,7 @@ def strip() -> Scene:
             "coupling": {"S_R": 1.0, "gamma": 1.0, "initial_state": "fluid"},
             "gravity": {"ramp": 0.5, "duration": 0.5, "damping": 0.0},
             "motion": {"kind": "none"},
-            "damping": None,
+            **NOTHING,
             "numerics": {"spacing": 1.0},
             "probes": {"A": [55.0, float(np.interp(55.0, x, face)) + 1.5]},
             "outputs": {"frame_interval": 0.25, "series_interval": 0.05},
