@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from sph.command.status import Stand, State, look_at
 from sph.command.study import find_study
-from sph.jobs.ahead import TOGETHER
+from sph.jobs.ahead import AT_ONCE, TOGETHER
 from sph.jobs.known_errors import CHECKED
 from sph.scene.configuration import merge
 from sph.scene.names import check_known
@@ -158,7 +158,7 @@ def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
     """What runs and stages need of a card: those of a kind advance together, one kind after another."""
     runs = [(state, part) for state, part in found if state.job.run.kind == Kind.RUN]
     state, part = max(runs, key=lambda run: run[1].seconds)
-    together, memory = max(1, min(len(runs), ENOUGH // part.particles)), math.nan
+    together, memory = max(1, min(len(runs), AT_ONCE, ENOUGH // part.particles)), math.nan
     if find_spec("numba_cuda") is not None:
         memory = sum(pack.size for pack in memory_of(Simulation(state.job.scene, enforce_limit=False))) / MIB
     try:
@@ -173,7 +173,7 @@ def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
         waiting = [part for state, part in found if state.job.run.kind == kind and state.state != Stand.DONE]
         if waiting:
             made = sum(part.particles * part.steps for part in waiting) / speed.value
-            left += start + CARD_START + max(made, CARD_STEP * max(part.steps for part in waiting))
+            left += math.ceil(len(waiting) / AT_ONCE) * (start + CARD_START) + max(made, CARD_STEP * max(part.steps for part in waiting))
     return CardCost(left, speed, together, memory)
 
 

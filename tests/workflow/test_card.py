@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 import yaml
-from small_scenes import SLOPE
+from small_scenes import FEW, SLOPE
 from test_workflow import ROOT, planned_jobs, snakemake_command
 
 from sph.jobs.log import read_log
@@ -18,14 +18,6 @@ from sph.scene.configuration import merge
 from sph.storage import trajectory
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("numba_cuda") is None, reason='numba-cuda is missing (pip install -e ".[cuda]")')
-FEW: dict[str, Any] = {
-    "numerics": {"spacing": 8.0, "smoothing_ratio": 1.3, "time_step": 1e-3},
-    "duration": 0.002,
-    "gravity": {"ramp": 0.001, "duration": 0.001},
-    "motion": {"start": 0.001, "ramp": 0.1, "decay_start": 0.2, "end": 0.3},
-    "outputs": {"frame_interval": 0.001, "series_interval": 0.001},
-}
-"""79 particles for two steps."""
 STUDY: dict[str, Any] = {"study": "small", "scene": "slope.yaml", "grid": {"soil.cohesion": ["10", "20", "30"]}, "searches": "none"}
 
 

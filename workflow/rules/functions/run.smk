@@ -1,7 +1,7 @@
 # Purpose: what the jobs that simulate are given.
 # Inputs:  the rows of the catalogue.
 # Outputs: functions for the directives of ../run.smk and of other rules that simulate
-from sph.jobs.ahead import TOGETHER, Task
+from sph.jobs.ahead import AT_ONCE, TOGETHER, Task
 from sph.study.cost import job_cost
 
 
@@ -39,21 +39,23 @@ def task(row):
 
 def ahead(row, own, rule):
     """What the job of a row goes ahead with: runs of its rule that could start now; on a processor as many as make with it the work that
-    short ones share, on a card all."""
+    short ones share, on a card all up to a number."""
     ready = (
         row(job.wildcards)
         for job in workflow.dag.ready_jobs
         if not job.is_group() and job.rule.name.endswith(rule)
     )
-    worked = 0.0
+    worked, taken = 0.0, 1
     for other in ready if own.by == SIMULATION else ():
         asked = task(other)
         if other.by != SIMULATION or asked.made.exists():
             continue
-        if not on_card(own):
+        if on_card(own):
+            taken += 1
+        else:
             worked = (worked or job_cost(own).seconds) + job_cost(other).seconds
-            if worked > TOGETHER:
-                return
+        if worked > TOGETHER or taken > AT_ONCE:
+            return
         yield asked
 
 
