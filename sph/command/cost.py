@@ -3,7 +3,7 @@
 The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
 another machine.  Runs share the gravity stage and continue from it; the shaking up to the first failure is counted with them, and so is
 the preflight.  On a graphics card (``--backend cuda``) all runs of a kind advance together; its speed is measured on the card of this
-machine, else it is that of the card which an experiment had.
+machine, else it is that of an H200.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
         card()
     except ValueError:
         rate = min(CARD_RATE, together * part.particles / CARD_STEP)
-        speed = Speed(rate, "as an experiment on an earlier version measured on an H100; there is no card here")
+        speed = Speed(rate, "as measured on an H200; there is no card here")
     else:
         speed = card_speed_here(state.job.scene, min(together, COPIES))
     left = 0.0

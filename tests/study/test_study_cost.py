@@ -177,7 +177,7 @@ def test_a_study_on_a_card(config: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     on_cores, on_card = (predicted(config, "--speed", 1, "--cores", 1, "--backend", name) for name in ("cpu", "cuda"))
     card = on_card["card"]
     assert on_cores["card"] is None and on_card["computing"] < on_cores["computing"] and on_card["run"] == on_cores["run"]
-    assert card["together"] == 8 and "H100; there is no card here" in card["known_by"]
+    assert card["together"] == 8 and "H200; there is no card here" in card["known_by"]
     assert card["speed"] == pytest.approx(8 * on_card["particles"] / CARD_STEP), "few particles: as many steps a second as one run makes"
     # Three kinds, a job each; the gravity stage takes a thousand steps, the shaking to the first failure one interval, runs two thousand.
     assert card["left"] == pytest.approx(3 * (START + CARD_START) + CARD_STEP * (1000 + 10 + on_card["steps"]))
