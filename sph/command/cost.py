@@ -168,12 +168,11 @@ def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
         speed = Speed(rate, "as measured on an H200; there is no card here")
     else:
         speed = card_speed_here(state.job.scene, min(together, COPIES))
-    left = 0.0
-    for kind in (Kind.GRAVITY, Kind.PRE_FAILURE, Kind.RUN):
-        waiting = [part for state, part in found if state.job.run.kind == kind and state.state != Stand.DONE]
-        if waiting:
-            made = sum(part.particles * part.steps for part in waiting) / speed.value
-            left += math.ceil(len(waiting) / AT_ONCE) * (start + CARD_START) + max(made, CARD_STEP * max(part.steps for part in waiting))
+    waiting = [(state.job.run.kind, part) for state, part in found if state.job.run.by == SIMULATION and state.state != Stand.DONE]
+    left = math.ceil(len(waiting) / AT_ONCE) * (start + CARD_START)
+    for kind in {kind for kind, _ in waiting}:
+        parts = [part for own, part in waiting if own == kind]
+        left += max(sum(part.particles * part.steps for part in parts) / speed.value, CARD_STEP * max(part.steps for part in parts))
     return CardCost(left, speed, together, memory)
 
 
