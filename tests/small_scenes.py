@@ -27,6 +27,15 @@ SLOPE: dict[str, Any] = {
 }
 """The paper's slope with 163 particles, shaken to failure within three seconds."""
 
+FEW: dict[str, Any] = {
+    "numerics": {"spacing": 8.0, "smoothing_ratio": 1.3, "time_step": 1e-3},
+    "duration": 0.002,
+    "gravity": {"ramp": 0.001, "duration": 0.001},
+    "motion": {"start": 0.001, "ramp": 0.1, "decay_start": 0.2, "end": 0.3},
+    "outputs": {"frame_interval": 0.001, "series_interval": 0.001},
+}
+"""Makes of ``SLOPE`` 79 particles for two steps."""
+
 FREE_BLOCK: dict[str, Any] = {
     "scheme": "paper",
     "name": "free_block",

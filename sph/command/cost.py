@@ -3,7 +3,7 @@
 The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
 another machine.  Runs share the gravity stage and continue from it; the shaking up to the first failure is counted with them, and so is
 the preflight.  On a graphics card (``--backend cuda``) all runs of a kind advance together; its speed is measured on the card of this
-machine, else it is that of the card which an experiment had.
+machine, else it is that of an H200.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from sph.command.status import Stand, State, look_at
 from sph.command.study import find_study
-from sph.jobs.ahead import TOGETHER
+from sph.jobs.ahead import AT_ONCE, TOGETHER
 from sph.jobs.known_errors import CHECKED
 from sph.scene.configuration import merge
 from sph.scene.names import check_known
@@ -158,22 +158,21 @@ def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
     """What runs and stages need of a card: those of a kind advance together, one kind after another."""
     runs = [(state, part) for state, part in found if state.job.run.kind == Kind.RUN]
     state, part = max(runs, key=lambda run: run[1].seconds)
-    together, memory = max(1, min(len(runs), ENOUGH // part.particles)), math.nan
+    together, memory = max(1, min(len(runs), AT_ONCE, ENOUGH // part.particles)), math.nan
     if find_spec("numba_cuda") is not None:
         memory = sum(pack.size for pack in memory_of(Simulation(state.job.scene, enforce_limit=False))) / MIB
     try:
         card()
     except ValueError:
         rate = min(CARD_RATE, together * part.particles / CARD_STEP)
-        speed = Speed(rate, "as an experiment on an earlier version measured on an H100; there is no card here")
+        speed = Speed(rate, "as measured on an H200; there is no card here")
     else:
         speed = card_speed_here(state.job.scene, min(together, COPIES))
-    left = 0.0
-    for kind in (Kind.GRAVITY, Kind.PRE_FAILURE, Kind.RUN):
-        waiting = [part for state, part in found if state.job.run.kind == kind and state.state != Stand.DONE]
-        if waiting:
-            made = sum(part.particles * part.steps for part in waiting) / speed.value
-            left += start + CARD_START + max(made, CARD_STEP * max(part.steps for part in waiting))
+    waiting = [(state.job.run.kind, part) for state, part in found if state.job.run.by == SIMULATION and state.state != Stand.DONE]
+    left = math.ceil(len(waiting) / AT_ONCE) * (start + CARD_START)
+    for kind in {kind for kind, _ in waiting}:
+        parts = [part for own, part in waiting if own == kind]
+        left += max(sum(part.particles * part.steps for part in parts) / speed.value, CARD_STEP * max(part.steps for part in parts))
     return CardCost(left, speed, together, memory)
 
 

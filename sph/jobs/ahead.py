@@ -17,7 +17,9 @@ from typing import Any, NamedTuple
 from sph.storage.files import beside
 
 TOGETHER = 20.0
-"""Seconds of predicted work up to which a job goes ahead with other runs; on a card with all that there are."""
+"""Seconds of predicted work up to which a job goes ahead with other runs."""
+AT_ONCE = 256
+"""Most runs of a job on a graphics card, of which each has three files open; more make it hardly faster (docs/how-to/gpu.md)."""
 
 
 class Task(NamedTuple):

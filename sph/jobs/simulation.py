@@ -43,12 +43,12 @@ def work(own: Task, others: Sequence[Task], threads: int) -> None:
                 with suppress(_AtWorkError, OSError, SystemExit), _left_alone(other, then):
                     make(other, threads, io.StringIO())
         elif not own.made.exists():
-            together = [own]
+            free = []
             for other, then in zip(others, before, strict=True):
                 with suppress(_AtWorkError, OSError):
                     held.enter_context(_left_alone(other, then))
-                    together.append(other)
-            make_together(together)
+                    free.append(other)
+            make_together(own, free)
     take_up(own)
 
 
@@ -74,24 +74,39 @@ def _leave() -> None:
     raise _AtWorkError
 
 
-def make_together(tasks: Sequence[Task]) -> None:
-    """Make results on the card, each as soon as it is done where its own job will take it up; an error of the first is raised."""
-    own, built = tasks[0], dict[int, Scene]()
+def make_together(own: Task, others: Sequence[Task]) -> None:
+    """Make results on the card, each as soon as it is done where its own job will take it up; an error of the own one is raised.
+
+    What goes on from another of them follows when that is done; if that failed, it is left to its own job.
+    """
+    left = [own, *others]
+    made = {task.file: task.made for task in left}
+    while left:
+        files = {task.file for task in left}
+        now, left = [task for task in left if task.restart not in files], [task for task in left if task.restart in files]
+        begun = [task for task in now if task.restart not in made or made[task.restart].exists()]
+        make_at_once([task._replace(restart=str(made[task.restart])) if task.restart in made else task for task in begun], own)
+
+
+def make_at_once(tasks: Sequence[Task], own: Task) -> None:
+    """Make results that need nothing of each other."""
+    built: dict[int, Scene] = {}
 
     def scene_of(number: int) -> Scene:
         built[number] = Planned(tasks[number].scene, tasks[number].contents).build()
         return built[number]
 
     def call(number: int, backend: Backend) -> None:
-        make(tasks[number], 1, io.StringIO() if number else None, backend, built.pop(number, None))
+        make(tasks[number], 1, None if tasks[number] is own else io.StringIO(), backend, built.pop(number, None))
 
     try:
         found = call_together([partial(scene_of, number) for number in range(len(tasks))], call)
     except ValueError:
         with job_log(own.log):
             raise
-    if found[0] is not None:
-        raise found[0]
+    for task, result in zip(tasks, found, strict=True):
+        if task is own and result is not None:
+            raise result
 
 
 def make(task: Task, threads: int, shown: TextIO | None = None, backend: Backend | None = None, scene: Scene | None = None) -> None:

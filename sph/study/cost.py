@@ -47,11 +47,11 @@ TRIALS_NEAR, TRIALS_STRONGER = 6, 9
 """Static tests at the fine spacing, around what the coarse search found, and of the search for the sensitivity (measured, as above)."""
 START, COMPILE = 5.0, 8.0
 """Seconds that a job takes beside its computing (libraries, compiled code, files), and that a variant takes to be compiled (measured)."""
-CARD_STEP, CARD_RATE = 35e-6, 518e6
-"""Seconds of a step on a card however few particles there are, and particle-steps a second of many: 1 and 64 runs of the paper's slope, as
-an experiment on an earlier version measured on an H100."""
-CARD_START = 40.0
-"""Seconds that a job takes which compiles the kernel of a card: 10 to 90 in that experiment."""
+CARD_STEP, CARD_RATE = 78e-6, 319e6
+"""Seconds of a step on a card however few particles there are, and particle-steps a second of many: of 1 and 64 runs of the paper's slope,
+200 steps a launch (measured on an H200)."""
+CARD_START = 33.0
+"""Seconds in which a process compiles the kernel of a card (measured there: 30 to 36)."""
 TAKE_UP = 0.5
 """Seconds of a job that takes up the run that another one has made (measured)."""
 MIB = 2.0**20

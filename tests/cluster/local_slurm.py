@@ -21,7 +21,7 @@ class CannotStart(Exception):
 
 
 class LocalSlurm:
-    """A node with more cores than the machine has, so that jobs overlap; used as a context."""
+    """A node with more cores than the machine has, so that jobs overlap, and a card that is one by name; used as a context."""
 
     def __init__(self, folder: Path, cores: int = 4, memory: int = 16_000) -> None:
         self.folder, self.cores, self.memory = folder, cores, memory
@@ -84,12 +84,15 @@ class LocalSlurm:
                     "SlurmdParameters=config_overrides",
                     "MinJobAge=86400",
                     "KillWait=5",
-                    f"NodeName={host} NodeAddr=127.0.0.1 CPUs={self.cores} RealMemory={self.memory} State=UNKNOWN",
+                    "GresTypes=gpu",
+                    f"NodeName={host} NodeAddr=127.0.0.1 CPUs={self.cores} RealMemory={self.memory} Gres=gpu:1 State=UNKNOWN",
                     f"PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP",
+                    f"PartitionName=gpu Nodes={host} MaxTime=INFINITE State=UP",
                     "",
                 ]
             )
         )
+        (self.folder / "gres.conf").write_text(f"NodeName={host} Name=gpu File=/dev/null\n")
         logs = self.folder
         self._daemon("munged", "--foreground", "--force", "--key-file", key, "--socket", socket_path, "--pid-file", logs / "munged.pid",
                      "--seed-file", logs / "munge" / "seed", "--log-file", logs / "munged.log")  # fmt: skip

@@ -18,7 +18,11 @@ import yaml
 from comparison import same_files, same_variables
 from killing import TIMINGS
 from local_slurm import CannotStart, LocalSlurm
-from small_scenes import SLOPE
+from small_scenes import FEW, SLOPE
+
+from sph.jobs.log import read_log
+from sph.scene.configuration import merge
+from sph.storage import trajectory
 
 pytestmark = pytest.mark.long
 
@@ -152,3 +156,22 @@ def test_the_generic_profile_with_another_command_to_submit(slurm: LocalSlurm, a
     assert done.returncode == 0, done.stdout + done.stderr + (folder / "job.log").read_text()
     assert len(slurm.jobs()) == before + 1
     same_files(folder / RESULTS / "stages" / "pre_failure_amplitude-8.0.nc", alone / "stages" / "pre_failure_amplitude-8.0.nc")
+
+
+def test_the_profile_with_cards(slurm: LocalSlurm, tmp_path: Path) -> None:
+    """Stages advance together in a submission that has the card, for which numba's simulator stands."""
+    if importlib.util.find_spec("numba_cuda") is None:
+        pytest.skip("numba-cuda is not installed (pip install -e '.[cuda]')")
+    (tmp_path / "slope.yaml").write_text(yaml.safe_dump(merge(SLOPE, FEW)))
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY | {"grid": {"soil.cohesion": ["10", "20"]}, "claims": None}))
+    stages = [f"stages/gravity_soil.cohesion-{cohesion}.nc" for cohesion in (10, 20)]
+    options = ["--profile", str(PROFILE.with_name("slurm-gpu")), "--group-components", "stages=2", "--config", "backend=cuda", *HERE]
+    settings = {"NUMBA_ENABLE_CUDASIM": "1", "NUMBA_DISABLE_JIT": "1"}
+    asked = [*command(tmp_path, *options, target=stages[0]), str(RESULTS / stages[1])]
+    done = subprocess.run(asked, cwd=tmp_path, env=environment(slurm) | settings, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert len(re.findall(r"has been submitted with SLURM jobid", done.stdout + done.stderr)) == 1
+    assert all(trajectory.read(tmp_path / RESULTS / stage).attrs["backend"] == "cuda" for stage in stages)
+    logs = [read_log(tmp_path / RESULTS / stage.replace("stages", "logs").replace(".nc", ".log")) for stage in stages]
+    assert len({log.process.number for log in logs if log and log.process}) == 1
+    assert re.search(r"gpu +gres/gpu:1", slurm.ask("squeue", "--noheader", "--states=all", "--Format=partition,tres-per-job"))

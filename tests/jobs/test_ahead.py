@@ -103,12 +103,13 @@ class OnProcessor(Simulation):
 
 
 def test_runs_on_a_card_advance_together(tmp_path: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("own", "fails", "large", "changed", "held", "other", "third")
-    own, fails, large, changed, held, other, third = (
+    names = ("own", "fails", "large", "changed", "held", "other", "third", "after", "never")
+    own, fails, large, changed, held, other, third, after, never = (
         task._replace(backend="cuda") for task in tasks(tmp_path, small_slope, **{name: 1.0 + number for number, name in enumerate(names)})
     )
-    fails = fails._replace(restart=str(tmp_path / "missing.nc"))
+    fails, never = fails._replace(restart=str(tmp_path / "missing.nc")), never._replace(restart=fails.file)
     changed = changed._replace(contents={str(Path(__file__)): "of what was planned"})
+    after = after._replace(restart=own.file)
     batches: list[int] = []
 
     class Card(ensemble.Ensemble):
@@ -129,13 +130,14 @@ def test_runs_on_a_card_advance_together(tmp_path: Path, small_slope: SceneBuild
     monkeypatch.setattr(ensemble, "most_runs", most_runs)
     monkeypatch.setattr(ensemble, "variant", lambda run: run.scene.motion.amplitude in (1.0, 2.0, 6.0) or run.scene.motion.amplitude)
     with alone(Path(held.file), "job"):
-        work(own, [fails, large, changed, held, other, third], 1)
-    assert batches == [2, 1, 1, 1, 1], "own and one that fails; what is refused, by itself; the rest"
-    assert OnProcessor.made == 5, "each is built once, what has changed and what is held not at all"
+        work(own, [fails, large, changed, held, other, third, after, never], 1)
+    assert batches == [2, 1, 1, 1, 1, 1], "own and one that fails; what is refused, by itself; the rest; what goes on from own"
+    assert OnProcessor.made == 6, "each is built once, what has changed and what is held not at all"
     assert Path(own.file).is_file() and trajectory.read(own.file).attrs["backend"] == "cuda"
     reasons = [read_log(Path(task.log)).reason for task in (fails, large, changed)]  # type: ignore[union-attr]
     assert all(said in str(reason) for said, reason in zip(("missing.nc", "300 MiB", "has changed"), reasons, strict=True))
-    assert not held.made.exists() and take_up(other) and take_up(third)
+    assert not held.made.exists() and take_up(other) and take_up(third) and take_up(after)
+    assert not Path(never.log).exists(), "what it goes on from is missing: left to its own job"
     with pytest.raises(SystemExit):
         work(fails, [], 1)
     monkeypatch.undo()

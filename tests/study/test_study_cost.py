@@ -177,10 +177,10 @@ def test_a_study_on_a_card(config: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     on_cores, on_card = (predicted(config, "--speed", 1, "--cores", 1, "--backend", name) for name in ("cpu", "cuda"))
     card = on_card["card"]
     assert on_cores["card"] is None and on_card["computing"] < on_cores["computing"] and on_card["run"] == on_cores["run"]
-    assert card["together"] == 8 and "H100; there is no card here" in card["known_by"]
+    assert card["together"] == 8 and "H200; there is no card here" in card["known_by"]
     assert card["speed"] == pytest.approx(8 * on_card["particles"] / CARD_STEP), "few particles: as many steps a second as one run makes"
-    # Three kinds, a job each; the gravity stage takes a thousand steps, the shaking to the first failure one interval, runs two thousand.
-    assert card["left"] == pytest.approx(3 * (START + CARD_START) + CARD_STEP * (1000 + 10 + on_card["steps"]))
+    # One job, in it gravity with a thousand steps, the shaking to the first failure with one interval, and runs with two thousand.
+    assert card["left"] == pytest.approx(START + CARD_START + CARD_STEP * (1000 + 10 + on_card["steps"]))
     assert on_card["wall"] >= card["left"]
     refused = CliRunner().invoke(app, ["cost", str(config), "--backend", "opencl"])
     assert refused.exit_code == REFUSED and "cpu" in refused.stderr and "cuda" in refused.stderr

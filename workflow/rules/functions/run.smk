@@ -1,7 +1,7 @@
 # Purpose: what the jobs that simulate are given.
 # Inputs:  the rows of the catalogue.
 # Outputs: functions for the directives of ../run.smk and of other rules that simulate
-from sph.jobs.ahead import TOGETHER, Task
+from sph.jobs.ahead import AT_ONCE, TOGETHER, Task
 from sph.study.cost import job_cost
 
 
@@ -37,24 +37,50 @@ def task(row):
     return Task(row.file, row.log, row.parent, scene, contents, **given, digest=decides)
 
 
-def ahead(row, own, rule):
-    """What the job of a row goes ahead with: runs of its rule that could start now; on a processor as many as make with it the work that
-    short ones share, on a card all."""
-    ready = (
-        row(job.wildcards)
-        for job in workflow.dag.ready_jobs
-        if not job.is_group() and job.rule.name.endswith(rule)
-    )
+def rows_of(jobs, rows):
+    """The rows of jobs of some rules that simulate, each with the function that gives its row, by their names."""
+    for job in jobs:
+        for name, row in () if job.is_group() else rows.items():
+            if job.rule.name.endswith(name) and row(job.wildcards).by == SIMULATION:
+                yield row(job.wildcards)
+
+
+def short_ones(own, ready):
+    """Of what could start now as many as make with a run the work that short ones share."""
     worked = 0.0
-    for other in ready if own.by == SIMULATION else ():
-        asked = task(other)
-        if other.by != SIMULATION or asked.made.exists():
-            continue
-        if not on_card(own):
-            worked = (worked or job_cost(own).seconds) + job_cost(other).seconds
-            if worked > TOGETHER:
-                return
-        yield asked
+    for other in ready:
+        worked = (worked or job_cost(own).seconds) + job_cost(other).seconds
+        if worked > TOGETHER:
+            return
+        yield other
+
+
+def on_the_card(own, ready):
+    """What could start now, and what goes on from that, so that one process compiles for all."""
+    rows = {"stage": stage_row, "simulate": run_row}
+    waiting = list(rows_of(workflow.dag.needrun_jobs(), rows))
+    taken, found = {own.file}, list(ready)
+    while found and len(taken) < AT_ONCE:
+        found = found[: AT_ONCE - len(taken)]
+        yield from found
+        taken |= {other.file for other in found}
+        found = [
+            other
+            for other in waiting
+            if other.parent in taken and other.file not in taken
+        ]
+
+
+def ahead(row, own, rule):
+    """What the job of a row goes ahead with, of runs that no job has made yet."""
+    if own.by != SIMULATION:
+        return []
+    ready = (
+        other
+        for other in rows_of(workflow.dag.ready_jobs, {rule: row})
+        if not task(other).made.exists()
+    )
+    return map(task, (on_the_card if on_card(own) else short_ones)(own, ready))
 
 
 def checked(wildcards):
