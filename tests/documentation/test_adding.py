@@ -57,20 +57,6 @@ assert abs(limit.seconds * 3.0 / (0.125 * scene.numerics.smoothing_length**2 * s
 from sph.measures.metrics import METRIC_BY_NAME
 assert METRIC_BY_NAME["failed_at_end"].units == "1"
 """,
-    "A record format": """
-from pathlib import Path
-from sph.scene.ground_motion import read_record
-Path("record.dat").write_text("0.0 0.0\\n0.1 2.0\\n0.2 -1.0\\n")
-assert read_record("record.dat").peak == 2.0
-""",
-    "A figure": """
-import pandas as pd
-from sph.figures import STUDY_FIGURES, caption, save
-from sph.page.sections import SECTIONS
-save(STUDY_FIGURES["exceedance"](pd.DataFrame({"displacement_magnitude": [0.1, 2.0, None, 5.0]}), []), "exceedance.png")
-shown = [drawing for section in SECTIONS for pattern, drawing in section.figures.items() if pattern.endswith("}/figures/exceedance.png")]
-assert len(shown) == 1 and caption(STUDY_FIGURES["exceedance"]).startswith("Share of the runs")
-""",
     "An experiment": """
 import re, subprocess, sys
 from synthetic import synthetic
