@@ -302,7 +302,7 @@ def time_lines() -> Iterator[tuple[str, ...]]:
 
 
 def speed_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (what, measured, code, where and when) of the newest of each stored measurement of speed on each processor."""
+    """Rows (processor, what, measured, code, when) of the newest of each stored measurement of speed on each processor."""
     newest: dict[tuple[str, str], tuple[str, ...]] = {}
     for run in sorted((json.loads(path.read_text(encoding="utf-8")) for path in HISTORY.rglob("*.json")), key=lambda run: run["datetime"]):
         machine, commit = run["machine_info"], run["commit_info"]
@@ -310,8 +310,8 @@ def speed_lines() -> Iterator[tuple[str, ...]]:
         for each in run["benchmarks"]:
             told, least = each["extra_info"], each["stats"]["min"]
             speed = f"{told['particle_steps'] / least / 1e6:.2g} M particle-steps/s" if "particle_steps" in told else f"{least:.3g} s"
-            where = f"{machine['processor']}, load average {told['load']:g}, {run['datetime'][:10]}"
-            newest[each["fullname"], machine["processor"]] = told["what"], speed, code, where
+            when = f"{run['datetime'][:10]}, load average {told['load']:g}"
+            newest[each["fullname"], machine["processor"]] = machine["processor"], told["what"], speed, code, when
     yield from newest.values()
 
 
@@ -454,7 +454,7 @@ CAUSE_HEAD = (
     "with Arias intensity",
 )
 SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
-SPEED_HEAD = ("what", "measured", "code", "processor, load and date")
+SPEED_HEAD = ("processor", "what", "measured", "code", "when")
 HISTORY = Path(__file__).parents[1] / "tests" / "benchmarks" / "history"
 """Stored measurements of speed, by pytest-benchmark."""
 TIME_HEAD = ("what", "time", "conditions", "machine")

@@ -18,6 +18,8 @@ from sph.solver.compiled.jit import solver_digest
 from sph.study.machine import processor
 
 Script = Callable[..., tuple[dict[str, Any], str]]
+SOLVER = solver_digest()
+"""As the session begins: sources may be edited while it measures."""
 
 
 @pytest.hookimpl(optionalhook=True, tryfirst=True)
@@ -32,7 +34,7 @@ def pytest_benchmark_update_commit_info(commit_info: dict[str, Any]) -> None:
     """The commit by its id alone, whether the tree has been changed since, the solver and the version."""
     kept = {name: commit_info.get(name) for name in ("id", "dirty")}
     commit_info.clear()
-    commit_info.update(kept | {"solver": solver_digest(), "version": sph.__version__})
+    commit_info.update(kept | {"solver": SOLVER, "version": sph.__version__})
 
 
 @pytest.fixture(autouse=True)

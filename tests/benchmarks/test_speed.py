@@ -27,7 +27,7 @@ pytestmark = pytest.mark.long
 
 WEAK = {"coupling.S_R": 0.10, "coupling.gamma": 100.0}
 COARSE = {"numerics.spacing": 5.0, "duration": 3.5}
-STEPS = 4_000_000
+STEPS = 2_000_000
 """Particle-steps of a turn of ``advance_steps``, of which a coarse one makes a thousandth."""
 
 
