@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sph.checks.finding import Finding, finding
+from sph.checks.finding import Finding, called, finding
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import Run
@@ -110,5 +110,5 @@ def found_after(run: Run) -> list[Finding]:
         *debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0)),
         *thin_debris(scene, debris.get("runout", math.nan), debris.get("deposit_thickness", math.nan)),
         *energy_open(energy_error(run)),
-        *liquefied(run),
+        *called(liquefied(run), scene.soil.name),
     ]

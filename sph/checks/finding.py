@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -145,6 +145,17 @@ def finding(code: str, *keys: str, subject: str = "", **numbers: Any) -> Finding
         raise KeyError(code)
     given = {name: value if isinstance(value, str) else float(value) for name, value in numbers.items() if value is not None}
     return Finding(code, keys, subject, given)
+
+
+def called(found: Iterable[Finding], name: str) -> list[Finding]:
+    """Findings in which the scene's own soil, which is ``soil`` in keys, has its name (``soil.name``); as they are where it has none."""
+
+    def own(value: Any) -> Any:
+        return name if value == "soil" else value
+
+    if not name:
+        return list(found)
+    return [replace(each, subject=own(each.subject), numbers={key: own(value) for key, value in each.numbers.items()}) for each in found]
 
 
 def codes(found: Iterable[Finding]) -> str:

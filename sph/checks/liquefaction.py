@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sph.checks.finding import Finding, finding
+from sph.checks.finding import Finding, called, finding
 from sph.scene.gravity import GRAVITY
 from sph.scene.liquefaction import LARGEST_DEPTH, clay_resistance, sand_resistance, stress_reduction
 from sph.scene.loading import loading_of
@@ -67,4 +67,4 @@ def of_liquefaction(scene: Scene, particles: Particles, magnitude: float) -> lis
         numbers = {"value": float(safety[worst]), "bound": 1.0, "depth": float(depth[worst]), "share": float(np.mean(safety < 1.0))}
         numbers |= {"magnitude": magnitude, "peak": peak_of(scene)}
         found.append(finding("cyclic-softening" if is_clay else "liquefaction", subject=layer, **numbers))
-    return found
+    return called(found, scene.soil.name)

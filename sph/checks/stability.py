@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.checks import equilibrium
-from sph.checks.finding import NOTE, Finding, finding
+from sph.checks.finding import NOTE, Finding, called, finding
 from sph.checks.layers import broken_at
 from sph.checks.soil import mobilised_strength
 from sph.measures.mobilised import mobilised_by_layer
@@ -45,7 +45,7 @@ def stability(scene: Scene) -> list[Finding]:
     softened = of_softening(peak, scene, lambda: softening(scene))
     standing = [
         of_peak(peak, scene),
-        *of_mobilised(peak),
+        *of_mobilised(peak, scene),
         *softened,
         of_residual(at_residual(static), scene),
         *equilibrium.of_residual(scene),
@@ -124,9 +124,10 @@ def of_peak(peak: Peak, scene: Scene) -> Finding:
     return finding("fails-unshaken", "soil.cohesion", "soil.friction_angle", "geometry", **failed, **_spacings(peak, scene))
 
 
-def of_mobilised(peak: Peak) -> list[Finding]:
+def of_mobilised(peak: Peak, scene: Scene) -> list[Finding]:
     """How much of its peak strength each layer uses before the shaking, the most first."""
-    return [mobilised_strength(name, share) for name, share in sorted(peak.mobilised.items(), key=lambda pair: -pair[1])]
+    shares = sorted(peak.mobilised.items(), key=lambda pair: -pair[1])
+    return called([mobilised_strength(name, share) for name, share in shares], scene.soil.name)
 
 
 def of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> list[Finding]:

@@ -21,7 +21,7 @@ from sph.command.terminal import aligned, say, table
 from sph.command.watch import Shown, svg, watch
 from sph.measures.metrics import MetricSettings
 from sph.measures.places import PlaceAt, check_places
-from sph.scene.configuration import read_yaml, validated
+from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
@@ -54,7 +54,8 @@ def answer(
     as_json: bool,
     watching: bool = False,
 ) -> str | None:
-    """The summary and the findings of the scene in a file, with changes; its picture, with the places of a study, where asked for.
+    """The summary and the findings of the scene in a file, with changes, and of the alternatives of a study; its picture, with the places
+    of the study, where asked for.
 
     With a magnitude also whether such an earthquake liquefies or softens its layers.  None where section and findings were shown in the
     browser, and again whenever a file was saved, until the command was interrupted.
@@ -75,12 +76,36 @@ def answer(
         from sph.figures.style import save
 
         save(draw(found, places), plot)
+    others = in_alternatives(path, changes, study, found.findings)
     liquefied = [] if magnitude is None else of_liquefaction(scene, found.particles, magnitude)
     facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + liquefied + found.findings
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        return to_json({"rows": dict(facts), "layers": named, "findings": [record(each) for each in told]}, indent=1)
-    return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told)])
+        alternatives = {name: [record(each) for each in of] for name, of in others.items()}
+        findings = [record(each) for each in told]
+        return to_json({"rows": dict(facts), "layers": named, "findings": findings, "alternatives": alternatives}, indent=1)
+    return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told), *other_lines(others)])
+
+
+def in_alternatives(path: Path, changes: Mapping[str, Any], study: Path | None, found: Sequence[Finding]) -> dict[str, list[Finding]]:
+    """Errors and warnings of each alternative of a study besides what was ``found`` in the scene as it is; ValueError for one that is
+    refused."""
+    written = read_yaml(study).get("alternatives") or {} if study else {}
+    if not isinstance(written, Mapping) or not all(isinstance(keys, Mapping) for keys in written.values()):
+        raise ValueError(f"{study}: alternatives: must be a section with a section of scene keys for each")
+    others = {}
+    for name, keys in written.items():
+        try:
+            of = check(read_given(path, merge(changes, keys))[0]).findings
+        except ValueError as error:
+            raise ValueError(f"{study}: alternatives.{name}: {error}") from error
+        others[name] = [each for each in of if each.counts and each not in found]
+    return others
+
+
+def other_lines(others: Mapping[str, Sequence[Finding]]) -> list[str]:
+    """A line for each finding in an alternative, and for an alternative without more."""
+    return [f"{name}: {said}" for name, found in others.items() for said in (list(map(line, found)) or ["no further warnings"])]
 
 
 def told_lines(told: Sequence[Finding]) -> list[str]:
@@ -93,7 +118,8 @@ def shown(path: Path, changes: Mapping[str, Any], study: Path | None) -> Shown:
     scene, inputs = read_given(path, changes)
     found = check(scene)
     figure = draw(found, {} if study is None else places_of(study, scene))
-    text = "\n".join([*told_lines(found.findings), "", aligned(rows(found))])
+    others = in_alternatives(path, changes, study, found.findings)
+    text = "\n".join([*told_lines(found.findings), *other_lines(others), "", aligned(rows(found))])
     return Shown(svg(lambda file: figure.savefig(file, format="svg")), text, [*inputs, *([] if study is None else [str(study)])])
 
 
@@ -158,11 +184,11 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
     """A row of ``LAYER_COLUMNS`` a material; λ: length of shear waves at the motion's highest significant frequency."""
     scene, frequency = found.scene, highest_frequency(found.scene)
     made: list[tuple[str, ...]] = []
-    for layer in found.layers:
+    for layer, name in zip(found.layers, (scene.soil.name or "soil", *scene.layers), strict=True):
         speed = layer.soil.s_wave_speed
         length = speed / frequency if frequency else 0.0
         waves = (f"{length:.3g}", f"{length / scene.numerics.spacing:.3g}", f"{in_wave(scene, layer.soil, frequency):.3g}")
-        row = (layer.name, f"{layer.particles:,}", f"{layer.thickness:g}", f"{speed:.0f}")
+        row = (name, f"{layer.particles:,}", f"{layer.thickness:g}", f"{speed:.0f}")
         made.append(row + (waves if frequency else ("-",) * 3))
     return made
 

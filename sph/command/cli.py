@@ -181,7 +181,10 @@ def check(
     scene: SceneFile,
     set_: Settings = None,
     plot: Picture = None,
-    study: WithPlaces = None,
+    study: Annotated[
+        Path | None,
+        typer.Option("--configfile", help="configuration of a study, whose alternatives to check as well and whose places to draw"),
+    ] = None,
     static: Annotated[
         bool,
         typer.Option(

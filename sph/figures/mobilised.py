@@ -29,7 +29,8 @@ def figure_mobilised(run: Run, fidelity: str = "") -> Figure:
     circles = draw_profile(ax, run, frame, "mobilised", Normalize(0.0, 1.0), colour_map("lajolla_r"))
     shown = FIELDS["mobilised"]
     figure.colorbar(circles, ax=ax, label=textwrap.fill(f"{shown.label} ({shown.units})", 22), pad=0.015, fraction=0.03, aspect=20)
-    of_layers = ", ".join(f"{plain(name)} {100 * share:.0f} %" for name, share in mobilised_by_layer(run, frame).items())
+    shares = {scene.soil.name or name if name == "soil" else name: share for name, share in mobilised_by_layer(run, frame).items()}
+    of_layers = ", ".join(f"{plain(name)} {100 * share:.0f} %" for name, share in shares.items())
     title = f"Strength mobilised under gravity alone, t = {float(run['time'][frame]):g} s: {of_layers}"
     ax.set_title("\n".join(textwrap.wrap(title, MAX_LETTERS)), loc="left")
     add_note(figure, [scene], fidelity)

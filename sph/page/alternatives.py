@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from sph.checks.after_run import is_lower_bound
+from sph.checks.after_run import is_bounded, is_braked, is_lower_bound
 from sph.measures.metrics import CLASSES
 from sph.measures.places import REACHED, column_of, places_in
 from sph.page.tables import AT_LEAST, NOTHING, Table, metres
@@ -77,12 +77,23 @@ def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
     words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + " more movement" * (less < 0.0)
     bounds = _goes_on(base), _goes_on(own)
     if all(bounds):
-        return "unknown: both may go on"
+        reasons = _why(base), _why(own)
+        return f"unknown: in both {reasons[0]}" if reasons[0] == reasons[1] else f"unknown: as it is {reasons[0]}, and with it {reasons[1]}"
     if bounds[1]:
         return f"at most {words}" if less >= 0.0 else f"{AT_LEAST}{words}"
     if bounds[0]:
         return f"{AT_LEAST}{words}" if less >= 0.0 else f"at most {words}"
     return words
+
+
+def _why(run: Mapping[Any, Any]) -> str:
+    """Why displacement and run-out of a run are lower bounds, and what to do about it."""
+    reasons = (
+        (is_braked(run["findings"]), "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"),
+        (is_bounded(run["reached_side"]), "debris leaves the box (lengthen the apron)"),
+        (run["still_moving"] > 0, "soil still moves at the end (run it for longer)"),
+    )
+    return next(words for holds, words in reasons if holds)
 
 
 def _goes_on(run: Mapping[Any, Any]) -> bool:

@@ -358,9 +358,10 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     still = short & ~braked & ~moving
     words, how = list[str](), list[str]()
     if there.any():
-        words.append(f"reached in {there.sum()} of {_runs(known.sum())}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
+        first = (of[ARRIVAL] - table["shaking_start"]).min()
+        begins = f", first {first:.3g} s after the shaking begins" * (not math.isnan(first))
+        words.append(f"reached in {there.sum()} of {_runs(known.sum())}{begins}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
         words.append(f"{of[PEAK_SPEED][there].max():.2g} m/s and {1e-3 * of[PRESSURE][there].max():.2g} kPa at most")
-        how += [f"first arrival {of[ARRIVAL].min():.3g} s after the start of the run"] * bool(of[ARRIVAL].notna().any())
     elif still.any() or not (known.any() or missing):
         words.append(f"not reached in {_runs(still.sum())}")
     words += [f"not yet in {_runs(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())

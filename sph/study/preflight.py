@@ -188,7 +188,7 @@ def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = pr
         scene = scenes[names[0]]
         told = [of_peak(peak, scene)]
         if peak.trial.stands:
-            told += of_mobilised(peak)
+            told += of_mobilised(peak, scene)
             told += of_softening(peak, scene, lambda at=scene: softening(standing_scene(at)))  # type: ignore[misc]
             told += [of_residual(at_residual(static), static), *equilibrium.of_residual(scene)]
             spent += one * (1 + 2 * (peak.begun and not peak.too_much))

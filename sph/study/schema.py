@@ -152,6 +152,13 @@ class Study(Section):
         default={},
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _title_of_scene(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and "title" in data:
+            raise ValueError("title: is a key of the scene, whose title heads the page; write it in the scene file, and leave it out here")
+        return data
+
     @model_validator(mode="after")
     def _known(self) -> Study:
         check_known("fidelity", [self.fidelity], self.fidelities)

@@ -35,11 +35,11 @@ def test_a_profile_plans_the_shipped_study(name: str) -> None:
     assert done.returncode == 0, said
     if on_cards:
         assert re.findall(r"Group job (\w+)", said).count("runs") == 1, "24 runs on one card"
-        assert said.count("gpu=1, slurm_partition=gpu") == 28 and said.count("gpu=0") == 2, "not the search, nor the preflight"
+        assert said.count("gpu=1, slurm_partition=gpu") == 28 and said.count("gpu=0") == 3, "not the search, the check, nor the preflight"
         return
     groups = re.findall(r"Group job (\w+)", said)
-    assert groups.count("stages") == 2 and groups.count("runs") == 2 and groups.count("figures") == 1, (
-        "the search by itself, 24 runs by 16, 7 figures"
+    assert groups.count("stages") == 1 and groups.count("runs") == 2 and groups.count("figures") == 1, (
+        "the search in no group, 24 runs by 16, 7 figures"
     )
     assert "mem_mb=2000" in said and "runtime=30" in said, "what is no simulation"
 

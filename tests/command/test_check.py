@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from cases.limit_analysis import limit_factor
 from sph.checks.finding import Finding
 from sph.checks.messages import line, words
-from sph.checks.scene import MIN_IN_WAVE, height_error, highest_frequency, in_wave
+from sph.checks.scene import MIN_IN_WAVE, findings, height_error, highest_frequency, in_wave
 from sph.checks.stability import stability
 from sph.command.check import check, draw, layer_rows, places_of, rows
 from sph.figures.scene import FEW
@@ -209,6 +209,28 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     assert data["findings"][0]["numbers"] == {"value": 8.0, "bound": 10.0}
     assert call("check", file, "--set", "geometry.base=445").exit_code == REFUSED
     assert call("check", file, "--plot", tmp_path / "nowhere" / "own.png").exit_code == REFUSED
+
+
+def test_the_alternatives_of_a_study_are_checked_as_well(tmp_path: Path) -> None:
+    file, study = tmp_path / "sound.yaml", tmp_path / "study.yaml"
+    file.write_text(yaml.safe_dump(SOUND))
+    seam = {"region": {"kind": "elevation", "bottom": 500.0, "top": 501.0}, "soil": {"cohesion": 5.0}}
+    alternatives = {"stiffer": {"soil": {"cohesion": 200.0}}, "grouted": {"layers": {"seam": seam}}}
+    study.write_text(yaml.safe_dump({"alternatives": alternatives}))
+    told = call("check", file, "--configfile", study).stdout.splitlines()
+    assert "no warnings" in told and "stiffer: no further warnings" in told
+    assert any(said.startswith("grouted: error: no particle lies in seam") for said in told)
+    study.write_text(yaml.safe_dump({"alternatives": {"odd": {"soil": {"cohesion": -1.0}}}}))
+    refused = call("check", file, "--configfile", study)
+    assert refused.exit_code == REFUSED and "alternatives.odd: " in refused.stderr and "soil.cohesion" in refused.stderr
+
+
+def test_soil_with_a_name_is_called_by_it() -> None:
+    fast = {"motion.frequency": 60.0}
+    (plain,), (named,) = (
+        [each for each in findings(scene(**fast, **name)) if each.code == "short-waves"] for name in ({}, {"soil.name": "tuff"})
+    )
+    assert words(plain).what.endswith("in soil") and words(named).what.endswith("in tuff") and named.keys == plain.keys
 
 
 def test_the_command_draws_the_places_of_a_study(tmp_path: Path) -> None:

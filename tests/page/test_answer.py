@@ -23,6 +23,7 @@ RUNS = pd.DataFrame(
         "findings": "",
         "expected_runout_error": [0.12] * 6,
         "still_moving": [0] * 6,
+        "shaking_start": 3.0,
     }
 ).assign(
     road_passed=lambda table: table["runout"] - 12.0,
@@ -53,8 +54,8 @@ def test_what_the_debris_does_at_a_place() -> None:
     assert at_places(RUNS) == [
         (
             "At road",
-            "reached in 2 of 6 runs, up to 2.10 m deep; 4.2 m/s and 31 kPa at most",
-            "first arrival 5.5 s after the start of the run",
+            "reached in 2 of 6 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most",
+            "",
         ),
         ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
     ]
@@ -180,7 +181,8 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     moving = "; debris runs at least 20.0 m beyond the toe; soil still moves at the end of 4 runs."
     assert lead(bare.assign(reached_side="", still_moving=1), []) == fails + moving
     assert lead(runs, []).endswith(
-        ". road: reached in 2 of 4 runs, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. house: not reached in 4 runs."
+        ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. "
+        "house: not reached in 4 runs."
     )
     assert lead(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
         "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. road: not reached in 2 runs. "

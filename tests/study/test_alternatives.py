@@ -138,11 +138,16 @@ def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
     for moving, wanted in (
         ([0, 1, 0, 0, 0, 0], "≥ 6.00 m (60 %)"),
         ([0, 0, 0, 1, 0, 0], "at most 6.00 m (60 %)"),
-        ([0, 1, 0, 1, 0, 0], "unknown: both may go on"),
+        ([0, 1, 0, 1, 0, 0], "unknown: in both soil still moves at the end (run it for longer)"),
     ):
         (found,) = compared(table_of(still_moving=moving), DIMENSIONS, "A")
         assert found.rows[1][7] == wanted
         assert found.rows[1][8] == ("≥ 0 of 2" if moving[3] else "0 of 2"), "debris that still moves may reach it"
+    braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
+    (found,) = compared(table_of(findings=["", "weak-on-strong"] + ["", "layer-held"] + [""] * 2), DIMENSIONS, "A")
+    assert found.rows[1][7] == f"unknown: in both {braked}"
+    (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, still_moving=[0, 0, 0, 1, 0, 0]), DIMENSIONS, "A")
+    assert found.rows[1][7].startswith(f"unknown: as it is {braked}, and with it soil still moves")
     (found,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.0, 12.0, 0.0, 0.1]), DIMENSIONS, "A")
     assert found.rows[1][7] == "2.00 m (20 %) more movement"
     (found,) = compared(table_of(diverged=[0, 0, 1, 1, 0, 1]), DIMENSIONS, "A")

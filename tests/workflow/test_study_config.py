@@ -121,6 +121,7 @@ def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
         ({"fidelities": {"../x": {}}}, ("fidelities", "../x")),
         ({"scene": "config/scenes/absent.yaml"}, ("scene", "absent.yaml")),
         ({"extra": 1}, ("extra", "no such key")),
+        ({"title": "Mine"}, ("title", "is a key of the scene", "write it in the scene file")),
     ],
 )
 def test_refusals_name_key_and_value(overrides: dict[str, Any], wanted: tuple[str, ...]) -> None:

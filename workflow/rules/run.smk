@@ -9,8 +9,9 @@ from sph.jobs.catalogue import ALONE
 include: "functions/run.smk"
 
 
-# The runs of the draft have rules of their own, below.
-DRAFT = f"(?!{re.escape(PLAN.draft.folder)}/(stages|runs)/)" if PLAN.draft else ""
+# The runs of the draft have rules of their own, below; not on cards, which take runs together by rule.
+DRAFT = PLAN.draft if PLAN.study.backend == "cpu" else None
+OTHERS = f"(?!{re.escape(DRAFT.folder)}/(stages|runs)/)" if DRAFT else ""
 FOLDERS = [
     f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+|/sensitivity)?",
     *map(re.escape, ALONE),
@@ -18,7 +19,7 @@ FOLDERS = [
 
 
 wildcard_constraints:
-    folder=f"{DRAFT}({'|'.join(FOLDERS)})",
+    folder=f"{OTHERS}({'|'.join(FOLDERS)})",
     run=".+",
 
 
@@ -73,18 +74,18 @@ rule simulate:
         "../scripts/simulate.py"
 
 
-if PLAN.draft:
+if DRAFT:
     # Coarser particles give a first answer early.
 
     use rule stage as draft_stage with:
         wildcard_constraints:
-            folder=re.escape(PLAN.draft.folder),
+            folder=re.escape(DRAFT.folder),
             run="(gravity|pre_failure).*",
         priority: 40
 
     use rule simulate as draft with:
         wildcard_constraints:
-            folder=re.escape(PLAN.draft.folder),
+            folder=re.escape(DRAFT.folder),
         priority: 30
         params:
             **simulated(run_row, "draft"),
