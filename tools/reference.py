@@ -386,8 +386,7 @@ def trust_text() -> str:
         "([which, and why](docs/evidence/validation.md#what-is-missed-and-why)); on the unsafe side "
         f"{', '.join(strong['case'].unique())}, by up to {percent(strong['error'].max())}. No case is a "
         "[displacement measured on a shaking table](docs/evidence/validation.md#shaking-table-tests-that-we-do-not-reproduce-and-why). "
-        "[A dam that slid in 1971](docs/gallery/lower-san-fernando.md) fails too early here, and the shape of what remains depends on "
-        "the spacing.",
+        "Of [two dams of 1971](docs/gallery/san-fernando-dams.md), one that flowed and one that stood, the latter settles too much here.",
         f"* **The paper's claims:** {len(claims) - len(failed)} of {len(claims)} hold; failed: {', '.join(map(str, failed)) or 'none'} "
         "([each with its numbers](docs/evidence/claims.md)).",
     ]

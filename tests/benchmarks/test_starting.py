@@ -33,7 +33,7 @@ import json, sys
 from sph.jobs.ahead import Task
 from sph.jobs.simulation import work
 from sph.study.planned import planned
-work(Task(sys.argv[3], sys.argv[2], None, *planned(json.loads(sys.argv[1])), "end", "simulation", False, True, "0"), [], 1)
+work(Task(sys.argv[3], sys.argv[2], None, *planned(json.loads(sys.argv[1])), "end", "simulation", False, True, "cpu", "0"), [], 1)
 """
 
 

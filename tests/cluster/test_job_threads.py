@@ -41,5 +41,5 @@ def test_a_jobs_threads_are_the_solvers(small_slope: SceneBuilder, tmp_path: Pat
     monkeypatch.setattr(Run, "go", lambda self, *arguments: (teams.append(len(self.simulation.team)), go(self, *arguments))[1])
     scene, contents = planned(json.loads(small_slope({}).model_dump_json()))
     file = str(tmp_path / "gravity.nc")
-    make(Task(file, str(tmp_path / "log"), None, scene, contents, "gravity", SIMULATION, False, True, "0"), 2)
+    make(Task(file, str(tmp_path / "log"), None, scene, contents, "gravity", SIMULATION, False, True, "cpu", "0"), 2)
     assert teams == [2]

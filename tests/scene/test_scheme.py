@@ -117,6 +117,7 @@ def test_failure_without_a_length_is_warned_of_but_for_the_papers() -> None:
 BY_TIME = {
     "long_box": "the claims of the paper are read on it",
     "lower_san_fernando": "liquefied soil; no shear test gives a slip",
+    "upper_san_fernando": "as the lower dam",
 }
 """Shipped slopes that keep the loss of strength by time, and why."""
 
