@@ -147,7 +147,7 @@ def finding(code: str, *keys: str, subject: str = "", **numbers: Any) -> Finding
     return Finding(code, keys, subject, given)
 
 
-def called(found: Iterable[Finding], name: str) -> list[Finding]:
+def called(found: Iterable[Finding], name: str | None) -> list[Finding]:
     """Findings in which the scene's own soil, which is ``soil`` in keys, has its name (``soil.name``); as they are where it has none."""
 
     def own(value: Any) -> Any:

@@ -164,6 +164,7 @@ ALLOWED = {
     "sph/experiments/registry.py": ["importlib"],  # likewise
     "sph/solver/cuda/kernel.py": ["exec"],  # an argument for each array of the records, whose names are those of the source
     "sph/solver/cuda/ensemble.py": ["importlib", "importlib.util"],  # numba's backend for graphics cards
+    "sph/command/cost.py": ["importlib.util"],  # whether that is installed
     "sph/scene/extras.py": ["importlib"],  # a module of a fixed name
     "workflow/scripts/docs/run_page.py": ["subprocess"],  # the blocks of the pages of the repository
     "workflow/scripts/docs/write_docs.py": ["subprocess", "importlib", "importlib.util"],  # mkdocs; all modules for pdoc
