@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -145,6 +145,17 @@ def finding(code: str, *keys: str, subject: str = "", **numbers: Any) -> Finding
         raise KeyError(code)
     given = {name: value if isinstance(value, str) else float(value) for name, value in numbers.items() if value is not None}
     return Finding(code, keys, subject, given)
+
+
+def named_soil(found: Iterable[Finding], name: str | None) -> list[Finding]:
+    """The findings on a scene whose own soil has a name, which its layers have anyway; as they are where it has none."""
+
+    def called(value: Any) -> Any:
+        return name if name and value == "soil" else value
+
+    return [
+        replace(each, subject=called(each.subject), numbers={key: called(value) for key, value in each.numbers.items()}) for each in found
+    ]
 
 
 def codes(found: Iterable[Finding]) -> str:

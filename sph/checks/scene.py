@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from sph.checks.finding import Finding, finding
+from sph.checks.finding import Finding, finding, named_soil
 from sph.checks.layers import of_layers
 from sph.checks.loss import of_loss, of_softening
 from sph.checks.motion import not_rigid, of_damping, of_motion
@@ -231,7 +231,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + _series(scene)
         + _step(scene)
     )
-    return sorted(found, key=lambda each: each.rank)
+    return sorted(named_soil(found, scene.soil.name), key=lambda each: each.rank)
 
 
 def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:

@@ -252,9 +252,11 @@ def test_the_first_screen_shows_before_it_tells(browser: Browser, size: tuple[in
     browser.open(*size)
     bottom = "return document.getElementById(arguments[0]).getBoundingClientRect().bottom"
     assert 0 < browser.run(bottom, within) <= size[1]
+    picture = browser.run("const of = document.querySelector('#overview img'); return [of.clientWidth, of.naturalWidth, of.naturalHeight]")
+    assert picture[0] <= size[0] and (picture[1] < 800) == (size == PHONE), "a phone has a picture of its own, that need not scroll"
     order = "const at = (id) => document.getElementById(id); return at(arguments[0]).compareDocumentPosition(at(arguments[1]))"
     assert browser.run(order, "overview", "answer") == browser.run(order, "answer", "explorer") == 4, "each before the next"
-    assert browser.run("return document.documentElement.scrollWidth <= innerWidth"), "pictures and matrix scroll by themselves"
+    assert browser.run("return document.documentElement.scrollWidth <= innerWidth"), "a matrix scrolls by itself"
 
 
 def test_a_cell_of_the_matrix_opens_its_run(browser: Browser) -> None:
