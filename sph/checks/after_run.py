@@ -85,7 +85,7 @@ def liquefied(run: Run) -> list[Finding]:
         return []
     found, layer = [], run["layer"]
     sand = can_liquefy(scene, run["x0"], run["y0"], layer) & run.soil
-    for number, name in enumerate(("soil", *scene.layers)):
+    for number, name in enumerate((scene.soil.name or "soil", *scene.layers)):
         times = run["t_f"][sand & (layer == number)]
         failed = times[np.isfinite(times)]
         if failed.size:

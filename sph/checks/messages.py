@@ -435,7 +435,12 @@ MESSAGES: dict[str, Message] = {
         "in every column, which needs a thickness of at least {spacing:.3g} m; or describe it as a seam",
         meaning="a layer that is continuous in the scene becomes separate particles, or none at all",
     ),
-    "thin-layer": Message("{subject} is thin", "{value:g} particles across", "at least {bound:g}", meaning="few particles across a layer"),
+    "thin-layer": Message(
+        "{subject} is thin",
+        lambda of: f"{{value:g}} {'particle' if of['value'] == 1 else 'particles'} across",
+        "at least {bound:g}",
+        meaning="few particles across a layer",
+    ),
     "weak-on-strong": Message(
         lambda of: (
             "{subject}, weak soil that slides on stronger {ground}, is braked, so its run-out is too short"

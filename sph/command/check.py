@@ -15,12 +15,13 @@ from sph.checks.messages import factor_words, line, record, yield_words
 from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.checks.stability import stability
-from sph.command.given import read_given
+from sph.command.given import earlier_run, read_given
 from sph.command.outputs import check_picture
 from sph.command.terminal import aligned, say, table
 from sph.command.watch import Shown, svg, watch
 from sph.measures.metrics import MetricSettings
 from sph.measures.places import PlaceAt, check_places
+from sph.output.run import Run
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
@@ -67,7 +68,8 @@ def answer(
             raise ValueError(f"--watch: shows section and findings in the browser; leave out {' and '.join(asked)}")
         watch(path, partial(shown, path, changes, study), say)
         return None
-    scene, inputs = read_given(path, changes)
+    earlier = earlier_run(path)
+    scene, inputs = read_given(path, changes, earlier)
     if plot is not None:
         check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
     places = {} if study is None else places_of(study, scene)
@@ -75,7 +77,7 @@ def answer(
     if plot is not None:
         from sph.figures.style import save
 
-        save(draw(found, places), plot)
+        save(draw(found, places, None if earlier is None or changes else Run(earlier, scene)), plot)
     others = in_alternatives(path, changes, study, found.findings)
     liquefied = [] if magnitude is None else of_liquefaction(scene, found.particles, magnitude)
     facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + liquefied + found.findings
@@ -203,9 +205,9 @@ def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:
     return places
 
 
-def draw(found: Check, places: Mapping[str, PlaceAt] | None = None) -> Figure:
-    """The scene as a figure, with its critical slip surfaces and the places of a study; the drawing library, which needs a folder to write
-    in, is imported here only."""
+def draw(found: Check, places: Mapping[str, PlaceAt] | None = None, run: Run | None = None) -> Figure:
+    """The scene as a figure, with its critical slip surfaces, the places of a study and the soil that fails in a run of it; the drawing
+    library, which needs a folder to write in, is imported here only."""
     from sph.figures.scene import figure_scene
 
-    return figure_scene(found.scene, found.particles, found.probes, places, found.equilibrium)
+    return figure_scene(found.scene, found.particles, found.probes, places, found.equilibrium, run)

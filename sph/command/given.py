@@ -44,6 +44,7 @@ def read_given(path: Path, overrides: Mapping[str, Any], earlier: Group | None =
         third = isinstance(vertical, Mapping) and ("file" in vertical or _at(kept, "motion", "data", "y") is None)
         if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit", "component"))):
             kept["motion"].pop("data", None)  # the samples are to be read again
+            kept["motion"].pop("name", None)  # of the record that they were from
     data = merge(kept, overrides)
     scene = make_scene(data, str(path))
     check_unit(written_amplitude(data if earlier is None else overrides), scene, f"{path}: motion.amplitude")

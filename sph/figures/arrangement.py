@@ -17,7 +17,18 @@ from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 
 from sph.checks.equilibrium import found_equilibrium
 from sph.figures.history import shade_shaking
-from sph.figures.profile import HALO, layer_colours, layer_outlines, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
+from sph.figures.profile import (
+    HALO,
+    PER_INCH,
+    draw_circles,
+    layer_colours,
+    layer_outlines,
+    mark_place,
+    probe_places,
+    stack_of_profiles,
+    surface_line,
+    survey_axes,
+)
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, plain, styled, written
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
@@ -30,6 +41,7 @@ from sph.study.dimensions import named
 
 SEAM_COLOUR = "#8c2d04"
 SURFACE_COLOUR = "#6a0d83"
+FAILED_COLOUR = "#b2182b"
 LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
 NAMED = 0.12
@@ -72,12 +84,16 @@ def figure_geometry(run: Run, fidelity: str = "") -> Figure:
     return figure
 
 
-def layer_legend(figure: Figure, scene: Scene, shown: Iterable[int] | None = None, more: Sequence[Artist] = ()) -> None:
+def layer_legend(
+    figure: Figure, scene: Scene, shown: Iterable[int] | None = None, more: Sequence[Artist] = (), named: bool = False
+) -> None:
     """Colour, name and properties of the scene's own soil and its layers, or of those ``shown``, a line each, above a figure; below them
-    what ``more`` is drawn."""
+    what ``more`` is drawn.  They are only ``named`` in a figure that has no room for properties."""
     names, colours, properties = scene.soil_names, layer_colours(scene), _material(scene)
     handles = [
-        Patch(facecolor=colours[n], edgecolor="0.3", linewidth=0.4, label=f"{plain(names[n])}: {properties[n]}")
+        Patch(
+            facecolor=colours[n], edgecolor="0.3", linewidth=0.4, label=plain(names[n]) if named else f"{plain(names[n])}: {properties[n]}"
+        )
         for n in (range(len(names)) if shown is None else shown)
     ]
     figure.legend(handles=[*handles, *more], loc="outside upper left", fontsize=7.5, borderaxespad=0.0)
@@ -103,6 +119,17 @@ def draw_surfaces(ax: Axes, found: LimitEquilibrium | None) -> list[Line2D]:
             label = f"critical surface, {name.capitalize()}: F = {surface.value:.2f}"
             drawn += ax.plot(surface.x, surface.y, color=SURFACE_COLOUR, linewidth=1.1, linestyle=style, zorder=3, label=label)
     return drawn
+
+
+def draw_failed(ax: Axes, run: Run) -> list[Patch]:
+    """The soil that has failed by the end of a run, where it lies before the shaking; its entry of a legend, if there is any."""
+    failed = run.soil & (run["failed"][-1] == 1)
+    if not failed.any():
+        return []
+    look: dict[str, Any] = {"facecolor": FAILED_COLOUR, "alpha": 0.45, "linewidth": 0.0}
+    x, y = (run[axis][run.gravity_frame, failed] for axis in "xy")
+    draw_circles(ax, x, y, run.scene.numerics.spacing, zorder=2.5, **look)
+    return [Patch(label="SPH: soil that has failed at the end of the run", **look)]
 
 
 def draw_seams(ax: Axes, scene: Scene) -> None:
@@ -167,11 +194,12 @@ def mark_places(
             textcoords="offset points",
             ha="right" if side > 0 else "left",
             va="bottom" if before_the_toe else "center",
+            bbox=HALO,
         )
 
 
 def draw_box(ax: Axes, scene: Scene) -> None:
-    """Walls as hatched strips of their layers of particles; a free-slip wall is a thin line on rollers' side."""
+    """Walls as hatched strips of their layers of particles, side walls with their names where the section is high enough for these."""
     thick = scene.walls.layers * scene.numerics.spacing
     width, height = scene.geometry.width, scene.geometry.height
     style: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "/////", "linewidth": 0.5}
@@ -183,6 +211,9 @@ def draw_box(ax: Axes, scene: Scene) -> None:
     ground = scene.geometry.surface[1] if sides.absorbs else (height, height)
     for left, top in ((-thick, ground[0]), (width, ground[-1])):
         ax.add_patch(Rectangle((left, 0.0), thick, top, **style))
+    shown = WIDTH * height / (width + 2.0 * thick)  # inches, about
+    if shown * PER_INCH < len(sides.label):  # the note below the figure names the walls, too
+        return
     for x, side in zip((-1.6 * thick, width + 1.6 * thick), ("right", "left")[:: scene.geometry.direction], strict=True):
         ax.text(x, 0.5 * height, sides.label, rotation=90, ha=side, va="center", color=GREY)
 
@@ -278,8 +309,10 @@ def figure_motion(run: Run, fidelity: str = "") -> Figure:
 
 
 def motion_name(scene: Scene) -> str:
-    """The scene's motion in words: its kind, of a record the file."""
+    """The scene's motion in words: its kind, of a record its name, or else the file."""
     file = getattr(scene.motion, "file", None)
+    if name := getattr(scene.motion, "name", None):
+        return plain(name)
     if (made := getattr(scene.motion, "stochastic", None)) is not None:
         return f"synthetic motion, seed {made.seed}"
     return plain(f"record {Path(file).name}" if file else scene.motion.kind.replace("_", " "))

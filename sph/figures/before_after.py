@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from textwrap import fill
-from typing import Any
 
-import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
-from sph.figures.arrangement import LEGEND_LINE, draw_ground, draw_layers, draw_seams, draw_water, layer_legend
+from sph.figures.arrangement import (
+    LEGEND_LINE,
+    draw_failed,
+    draw_ground,
+    draw_layers,
+    draw_seams,
+    draw_surfaces,
+    draw_water,
+    layer_legend,
+)
 from sph.figures.profile import (
     OUTSIDE,
-    draw_circles,
     draw_places,
     draw_profile,
     field_norm,
@@ -27,36 +31,48 @@ from sph.figures.style import WIDTH, styled, written
 from sph.measures.fields import with_end
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
+from sph.stability.slip_search import LimitEquilibrium
 
 TITLE = 60
 """Most characters in a line of a title over the width of the figure."""
-FAILED_COLOUR = "#b2182b"
 STEEP = 0.3
 """Height over width of a section from which on both stand side by side."""
+NARROW = 0.5 * WIDTH
+"""Width of the picture on a phone, inches."""
 
 
 @styled
-def figure_before_after(run: Run, title: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:
-    """The section before the shaking with its layers, seams and water and the soil that is to fail, and the soil at the end of the run,
-    coloured by its displacement since the gravity stage.  Rings are the particles that are followed, posts the places that debris may
-    reach.
+def figure_before_after(
+    run: Run,
+    title: str,
+    places: Mapping[str, PlaceAt] | None = None,
+    equilibrium: LimitEquilibrium | None = None,
+    width: float = WIDTH,
+    stacked: bool = False,
+) -> Figure:
+    """The section before the shaking with its layers, seams and water, the critical slip surfaces and the soil that is to fail, and the
+    soil at the end of the run, coloured by its displacement since the gravity stage.  Rings are the particles that are followed, posts the
+    places that debris may reach.
 
-    ``title`` names the run, ``places`` are as in ``metrics.places``.
+    ``title`` names the run, ``places`` are as in ``metrics.places``, slip surfaces those of ``equilibrium``, ``width`` is in inches; a
+    narrow figure only names its soils.  Both stand side by side in a wide figure of a steep section, unless they are to be ``stacked``.
     """
     scene, failed = run.scene, run.soil & (run["failed"][-1] == 1)
     left, right, lower, upper = frame_limits(run, -1)
-    steep = (upper - lower) / (right - left) > STEEP
-    across = (WIDTH - 1.6) / (2 if steep else 1)
+    narrow = width <= NARROW
+    steep = (upper - lower) / (right - left) > STEEP and not (stacked or narrow)
+    across = (width - 1.6) / (2 if steep else 1)
     left, right, lower, upper = limits = with_room((left, right, lower, upper), scene, places or {}, across)
     panel = across * (upper - lower) / (right - left)
-    height = (1 if steep else 2) * (max(panel, 0.6) + OUTSIDE) + LEGEND_LINE * (len(scene.soils) + failed.any()) + 0.5
-    figure = Figure(figsize=(WIDTH, height), layout="compressed")
+    lines = len(scene.soils) + failed.any() + (0 if equilibrium is None else 2)
+    height = (1 if steep else 2) * (max(panel, 0.6) + OUTSIDE) + LEGEND_LINE * lines + 0.5
+    figure = Figure(figsize=(width, height), layout="compressed")
     before, after = figure.subplots(*((1, 2) if steep else (2, 1)), sharex=True, sharey=True)
     draw_layers(before, scene)
     draw_ground(before, scene)
     draw_seams(before, scene)
     draw_water(before, scene, named=True)
-    shown = _draw_failed(before, run, failed)
+    shown = [*draw_failed(before, run), *draw_surfaces(before, equilibrium)]
     norm = field_norm({title: run}, "displacement", -1)
     circles = draw_profile(after, run, -1, "displacement", norm)
     for ax, frame in ((before, run.gravity_frame), (after, -1)):
@@ -65,17 +81,7 @@ def figure_before_after(run: Run, title: str, places: Mapping[str, PlaceAt] | No
         survey_axes(ax, scene, limits)
         ax.label_outer()
     before.set_title("Before", loc="left")
-    after.set_title(written(fill(f"After: {with_end(title, run)}", TITLE // 2 if steep else TITLE)), loc="left")
+    after.set_title(written(fill(f"After: {with_end(title, run)}", TITLE // 2 if steep or narrow else TITLE)), loc="left")
     figure.colorbar(circles, ax=after, label="displacement (m)", pad=0.015, fraction=0.03)
-    layer_legend(figure, scene, more=shown)
+    layer_legend(figure, scene, more=shown, named=narrow)
     return figure
-
-
-def _draw_failed(ax: Axes, run: Run, failed: np.ndarray) -> list[Patch]:
-    """The particles (n,) that have failed by the end of the run, where they lie before the shaking; their entry of a legend, if any."""
-    if not failed.any():
-        return []
-    look: dict[str, Any] = {"facecolor": FAILED_COLOUR, "alpha": 0.45, "linewidth": 0.0}
-    x, y = (run[axis][run.gravity_frame, failed] for axis in "xy")
-    draw_circles(ax, x, y, run.scene.numerics.spacing, zorder=2.5, **look)
-    return [Patch(label="soil that has failed at the end of the run", **look)]

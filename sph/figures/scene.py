@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from sph.figures.arrangement import (
     LEGEND_LINE,
     draw_box,
+    draw_failed,
     draw_ground,
     draw_seams,
     draw_surfaces,
@@ -23,12 +24,15 @@ from sph.figures.arrangement import (
 from sph.figures.profile import draw_circles, draw_places, layer_colours, survey_axes
 from sph.figures.style import WIDTH, add_note, colour_map, plain, styled
 from sph.measures.places import PlaceAt
+from sph.output.run import Run
 from sph.scene.schema import Scene
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, varying_layers
 from sph.stability.slip_search import LimitEquilibrium
 
 BAR = 0.75
 """Height of the scale and the coordinates below a panel, inch."""
+NAMES = 0.3
+"""Room for names above the ground, inch."""
 FEW = 4000
 """Soil particles up to which each is drawn; more are an image of the lattice."""
 SHOWN_WIDTH = 600
@@ -42,21 +46,28 @@ def figure_scene(
     probes: Mapping[str, int],
     places: Mapping[str, PlaceAt] | None = None,
     equilibrium: LimitEquilibrium | None = None,
+    run: Run | None = None,
 ) -> Figure:
     """Soil coloured by the layer of each particle, walls, ground, phreatic line (dashed), toe and crest; ``probes`` are particles.
 
     Posts stand at the ``places`` of a study that debris may reach, as in ``metrics.places``.  The critical slip surfaces are those of
-    ``equilibrium``.
+    ``equilibrium``, the soil that has failed that of a ``run`` of the scene.
 
     A panel each for cohesion and friction angle follows where they vary in space.
     """
     layer = particles.layer[: particles.n_soil]
     width, height = scene.geometry.width, scene.geometry.height
     thick = scene.walls.layers * scene.numerics.spacing
-    reach, below, top = thick + 0.06 * width, thick + 0.03 * height, 1.12 * height
+    reach, below = thick + 0.06 * width, thick + 0.03 * height
+    top = height + max(0.12 * height, NAMES * (width + 2 * reach) / (WIDTH - 0.7))
     varying = [quantity for quantity in QUANTITIES if varying_layers(scene, quantity)]
     panel = max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8)
-    high = panel + 1.0 + LEGEND_LINE * (len(scene.soils) + (0 if equilibrium is None else 2)) + (panel + BAR) * len(varying)
+    high = (
+        panel
+        + 1.0
+        + LEGEND_LINE * (len(scene.soils) + (0 if equilibrium is None else 2) + (run is not None))
+        + (panel + BAR) * len(varying)
+    )
     figure = Figure(figsize=(WIDTH, high), layout="constrained")
     ax, *maps = figure.subplots(1 + len(varying), squeeze=False).ravel()
     draw_box(ax, scene)
@@ -65,7 +76,8 @@ def figure_scene(
     draw_ground(ax, scene)
     draw_seams(ax, scene)
     draw_water(ax, scene)
-    surfaces = draw_surfaces(ax, equilibrium)
+    failed = [] if run is None else draw_failed(ax, run)
+    surfaces = [*failed, *draw_surfaces(ax, equilibrium)]
     at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()}
     mark_places(ax, scene, at, before_the_toe=bool(places))
     draw_places(ax, scene, places or {})

@@ -19,7 +19,6 @@ from matplotlib.patches import Patch, Rectangle
 from sph.checks.after_run import is_lower_bound, lower_bounds
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, plain, styled, write_note, written
 from sph.measures.metrics import CLASSES, UNDETERMINED
-from sph.scene.units import beside_g
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension, title_of
 
@@ -39,6 +38,8 @@ LOG_FROM = 50.0
 """A dimension is drawn on a logarithmic axis where its largest value is at least this many times its smallest."""
 LONG_LABEL = 28
 """Most characters in a line of the name of a dimension or of a panel."""
+LONG_NAME = 16
+"""Most characters in a line of the name of a record."""
 MANY = 300
 """Runs from which on the marks are small, and a picture in a PDF."""
 DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
@@ -93,9 +94,9 @@ def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) ->
 @styled
 def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
     """Displacement of the probe and run-out of every run.  A grid is drawn against the amplitude of shaking, or else its first dimension,
-    with a curve for every value of another and panels for the rest; a list or a sample against each of its dimensions.  Marks show
-    the class; crosses at the lower edge are runs that diverged, hollow marks runs that failed before the shaking, arrows lower bounds:
-    debris met the end of the box, or was braked.
+    with a curve for every value of another and panels for the rest; between words, such as records, a curve only shows which runs belong
+    together.  A list or a sample is drawn against each of its dimensions.  Marks show the class; crosses at the lower edge are runs that
+    diverged, hollow marks runs that failed before the shaking, arrows lower bounds: debris met the end of the box, or was braked.
 
     ``table`` as from ``sph.study.tables.read_table``.  Metrics that no run has, such as the run-out of a block, are left out.  Raises
     ValueError for an empty table.
@@ -113,13 +114,13 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
             if found.other is None
             else [(runs[runs[found.other.name] == value], look) for value, look in zip(values, looks, strict=True)]
         )
-        for rows, look in curves if found.grid and not panel.along.words else ():
+        for rows, look in curves if found.grid and (found.other or not panel.along.words) else ():
             ax.plot(rows["x"], rows["y"], linewidth=1.0, zorder=1, **look)
         _draw_runs(ax, runs)
         ax.set_ylim(0.0, max(1.06 * float(table[metric].max()), 1e-3) if table[metric].notna().any() else 1.0)
         ax.set_ylabel(SHOWN[metric].format(probe=plain(probe)))
     if found.other is not None:
-        named = [plain(beside_g(value, found.other.unit)) for value in values]
+        named = [plain(found.other.shown(value)) for value in values]
         handles = [Line2D([], [], label=name, **look) for name, look in zip(named, looks, strict=True)]
         figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), title=_wrapped(found.other.label), handlelength=3.0)
     classes = [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES if (table["collapse_class"] == name).any()]
@@ -191,7 +192,9 @@ def _places(ax: Axes, axis: str, found: Dimension, table: pd.DataFrame, cells: b
     """Places of a dimension's values along an axis, which gets its name: words and ``cells`` stand side by side in their order."""
     words = list(dict.fromkeys(table[found.name]))
     ax.set(**{f"{axis}label": _wrapped(found.label)})
-    labels = [plain(beside_g(word, found.unit)).replace(" (", "\n(") for word in words]
+    labels = [plain(found.shown(word)).replace(" (", "\n(") for word in words]
+    if found.names:
+        labels = [textwrap.fill(label, LONG_NAME) for label in labels]
     if cells or found.words:
         longest = max(len(line) for label in labels for line in label.split("\n"))
         getattr(ax, f"set_{axis}ticks")(range(len(words)), labels, rotation=20 if axis == "x" and longest > 8 else 0)

@@ -23,7 +23,7 @@ from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.measures.sides import BACK
 from sph.page.alternatives import compared
-from sph.page.tables import AT_LEAST, MAX_VALUES, NOTHING, Table, metres
+from sph.page.tables import AT_LEAST, MAX_VALUES, NOTHING, Table, filled, metres
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
@@ -33,6 +33,7 @@ from sph.study.dimensions import ALTERNATIVE, BASE, CASE, Dimension, dimension, 
 from sph.study.preflight import Row, read_preflight
 from sph.study.runs import OF_MEAN, SAFETY, SLOPE_LIMITS, YIELD
 from sph.study.tables import EXPECTED, read_csv
+from sph.study.verdicts import tally
 
 FINDINGS = "{fidelity}/preflight.csv"
 """What was found in the scenes before their runs: errors and warnings are told."""
@@ -42,8 +43,12 @@ CRITICAL = "*/trigger/trigger.csv"
 """The search for the critical intensities, where it was made."""
 ANNUAL = "*/trigger/fragility_annual.csv"
 """How often a year, where a hazard curve was given."""
+CLAIMS, TRIGGER_CLAIM = "{fidelity}/claims.csv", "*/trigger/claim.csv"
+"""The claims of a paper as the study decides them, and the one that a search decides, of the study of such claims."""
 SPACINGS = "{fidelity}/spacing.csv"
 """The runs at a second spacing, where the study names one."""
+NOT_TESTED, NOT_SEARCHED = "not tested", "not searched"
+"""What is said of a limit that was not asked for, which a client is not told."""
 FEWEST = 4
 """Fewest runs an amplitude whose widths are worth a row."""
 AMPLITUDE = "amplitude"
@@ -53,7 +58,7 @@ AMPLITUDE = "amplitude"
 class Answer(NamedTuple):
     """What the first screen says."""
 
-    lead: str  # what happens in the strongest shaking
+    lead: Sequence[str]  # what happens in the strongest shaking, at each place then and in each alternative
     facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known
     tables: list[Table]
     alarms: list[str]  # what the spacing decides
@@ -84,6 +89,7 @@ def answer(
     critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
+        *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
         ("Without shaking", *unshaken(table, rows, missing)),
         ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
         *at_residual(rows),
@@ -94,9 +100,9 @@ def answer(
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     return Answer(
-        _raised(lead(table, rows, why, missing)),
-        [(name, _raised(words), _raised(how)) for name, words, how in facts],
-        [*compared(table, dimensions, probe), levels(own, dimensions, probe, why), *widths(own)],
+        list(map(_raised, lead(table, rows, why, missing))),
+        [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
+        [filled(each) for each in (*compared(table, dimensions, probe), levels(own, dimensions, probe, why), *widths(own))],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
         expected_sentence(scene, not client)
@@ -105,9 +111,9 @@ def answer(
     )
 
 
-def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> str:
-    """Whether the slopes stand without shaking; and in the strongest shaking of the study how many runs fail, how far the debris goes and
-    what it does at the places.  Where runs are ``missing`` it begins with that."""
+def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> list[str]:
+    """Whether the slopes stand without shaking, and in the strongest shaking of the study how many runs fail and how far the debris goes;
+    behind that what it does at each place, and what happens in each alternative.  Where runs are ``missing`` it begins with that."""
     said, size = list[str](), len(table) + missing
     if missing:
         said.append(f"So far {len(table)} of {_runs(size)} are done, and what is said here is of these alone")
@@ -138,8 +144,9 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         if moving:
             words.append(f"soil still moves at the end of {_runs(moving)}" if len(known) > 1 else "soil still moves at the end")
     places = places_in(table.columns) if len(known) else ()
-    said += ["; ".join(words), *(f"{place}: {at_place(known, place, missing=missing)[0]}" for place in places)]
-    return ". ".join([*said, *(_instead(name, of) for name, of in _alternatives(others))]) + "."
+    more = [f"{place}: {at_place(known, place, missing=missing)[0]}" for place in places]
+    more += [_instead(name, of) for name, of in _alternatives(others)]
+    return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
 
 
 def as_it_is(table: pd.DataFrame) -> pd.DataFrame:
@@ -214,7 +221,7 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row], missing: int = 0) -> tupl
             f"not certain in {narrow} of {size} runs",
             "it stands in a static test, but its factor of safety does not exceed 1 by more than its error",
         )
-    return ("stands", "by a static test") if tested else ("not tested", "sph check --stability")
+    return ("stands", "by a static test") if tested else (NOT_TESTED, "sph check --stability")
 
 
 def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
@@ -246,7 +253,7 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
         unknown = [str(each.numbers["reason"]) for each in findings if (each.code, each.subject) == ("stability-unknown", code)]
         if unknown:
             return "not known", unknown[0] if closely else re.sub(r"^[a-z_.]+: ", "", unknown[0])
-        return "not searched", closely
+        return NOT_SEARCHED, closely
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
     how = f"static, a quick search{slopes} before the runs, {limit_how(found[0])}"
     return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
@@ -296,6 +303,27 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension], missing: int = 0
     if math.isnan(gone):
         return f"no failure found{' so far' * bool(missing)} up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
     return f"at most {in_both(gone)}{of}" if missing or math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
+
+
+def claims(files: Sequence[str], searched: Sequence[str]) -> list[tuple[str, str, str]]:
+    """How many claims of the paper hold; one that runs alone leave open has the verdict of the first case ``searched``."""
+    facts = []
+    for file in files:
+        verdicts = _verdicts(file)
+        for decided in searched[:1]:
+            verdicts |= _verdicts(decided)
+        facts.append(("The paper's claims", *tally(verdicts)))
+    return facts
+
+
+def _verdicts(file: str) -> dict[int, str]:
+    """The verdicts of a table of claims by their numbers, of the first of several cases; ValueError names a file that is none."""
+    try:
+        rows = pd.read_csv(file, keep_default_na=False)[["claim", "verdict"]].astype({"claim": int, "verdict": str})
+    except (OSError, ValueError, KeyError) as error:
+        raise ValueError(f"{file}: cannot be read as a table: {error}; delete it and repeat the command that wrote it") from error
+    first = rows.drop_duplicates("claim")
+    return dict(zip(first["claim"].tolist(), first["verdict"].tolist(), strict=True))
 
 
 def answer_spacing(files: Sequence[str]) -> list[tuple[str, str, str]]:

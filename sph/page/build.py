@@ -20,33 +20,36 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 from PIL import Image
 
+from sph.checks.equilibrium import found_equilibrium
 from sph.figures import caption as caption_of
-from sph.figures.before_after import figure_before_after
-from sph.figures.style import DPI
+from sph.figures.before_after import NARROW, figure_before_after
+from sph.figures.style import DPI, WIDTH
 from sph.measures.metrics import CLASSES
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
 from sph.page.answer import answer, as_it_is
 from sph.page.explorer import explorer
-from sph.page.matrix import TO_COME, matrix
+from sph.page.matrix import TO_COME, Matrix, matrix
 from sph.page.sections import DOCS, Drawing, Section, of
-from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
+from sph.page.tables import MAX_VALUES, NOTHING, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
 from sph.scene.units import beside_g
 from sph.storage.files import whole
 from sph.storage.trajectory import Status
 from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
 from sph.study.tables import Layout, read_table
-from sph.study.verdicts import FAILS, HOLDS, MISSES, NOT_COVERED, NOT_YET
+from sph.study.verdicts import AT_LEAST, FAILS, HOLDS, MISSES, NOT_COVERED, NOT_YET
 
 LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
+TALL = 10
+"""Lines of a matrix beside which a picture of two sections stacked fits better than one of them side by side."""
 REST = 1000
 """Characters of it left for what joins the runs to the rest."""
 DATA = "@@data@@"
 """Place of the runs in the page."""
 MARKS: dict[str, str] = {
-    HOLDS: "good", FAILS: "bad", MISSES: "bad", Status.DIVERGED: "bad", NOT_YET: "open", NOT_COVERED: "open",
+    HOLDS: "good", FAILS: "bad", MISSES: "bad", Status.DIVERGED: "bad", NOT_YET: "open", AT_LEAST: "open", NOT_COVERED: "open",
 }  # fmt: skip
 """Verdicts that tables mark, by the style of the mark."""
 
@@ -92,6 +95,7 @@ class Picture(NamedTuple):
     caption: str
     source: str  # file
     runs: Sequence[str]  # from which it was drawn, where that is known
+    narrow: Picture | None = None  # the same for a phone, where one is drawn
 
     @property
     def alt(self) -> str:
@@ -146,8 +150,9 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     table = whole_table[whole_table.index.isin(list(study.runs))]
     runs = [study.runs[name] for name in table.index]
     files = [Path(run).relative_to(study.folder).as_posix() for run in runs]
-    columns = run_columns(study.dimensions, study.probe)
-    rows = [[column.words(row) for column in columns] for row in table.to_dict("records")]
+    known = table.to_dict("records")
+    columns = [each for each in run_columns(study.dimensions, study.probe) if any(each.words(row) != NOTHING for row in known)]
+    rows = [[column.words(row) for column in columns] for row in known]
     shown = list(table[axes].itertuples(index=False, name=None))
     titles = [title_of(study.dimensions, dict(zip(axes, values, strict=True))) for values in shown]
     # A grid of which every run is shown is chosen by its dimensions, anything else from a list of runs.
@@ -157,6 +162,8 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     varied = {scene_key(found.name): _values(whole_table[found.name], found.unit) for found in study.dimensions}
     keys = scene_table(scene, varied)
     over = [found.phrase for found in study.dimensions]
+
+    first, cells = farthest(table), matrix(_with_missing(whole_table, study), study.dimensions, study.probe, list(table.index))
 
     def found(pattern: str) -> list[str]:
         return [file for file, _ in of({pattern: None}, study.files, study.folder)]
@@ -169,16 +176,17 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         key_table=chosen_keys(keys),
         layer_table=layer_table(scene, varied),
         answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client, len(study.missing)),
-        overview=overview(table, study, dict(zip(table.index, titles, strict=True))),
+        overview=None if first is None else overview(study, first, titles[list(table.index).index(first)], cells),
         missing=[f"{title_of(study.dimensions, each.point)}: {each.stand}" for each in study.missing.values()],
-        matrix=matrix(_with_missing(whole_table, study), study.dimensions, study.probe, list(table.index)),
+        matrix=cells,
+        opens={} if first is None else {"run": first, **table.loc[first, axes].to_dict()},
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),
         over=over,
         axes=[]
         if listed
         else [
-            (each, words, [(value, beside_g(value, each.unit)) for value in _written(table[each.name])])
+            (each, words, [(value, each.shown(value)) for value in _written(table[each.name])])
             for each, words in zip(study.dimensions, over, strict=True)
         ],
         listed=list(zip(keyed, titles, strict=True)) if listed else [],
@@ -235,16 +243,25 @@ def found_part(section: Section, study: StudyFiles) -> Part:
     return Part(section, tables, pictures)
 
 
-def overview(table: pd.DataFrame, study: StudyFiles, titles: Mapping[str, str]) -> Picture | None:
-    """The slope before and after the run of those shown that goes farthest, of the scene as it is where there are alternatives; None where
-    all diverged."""
+def farthest(table: pd.DataFrame) -> str | None:
+    """The run of those shown that goes farthest, of the scene as it is where there are alternatives; None where all diverged."""
     sound = as_it_is(table[table["diverged"] == 0])
     if sound.empty:
         return None
-    name = sound.fillna({"runout": 0.0}).sort_values(["runout", "displacement_magnitude"], kind="stable").index[-1]
-    drawn = io.BytesIO()
-    figure_before_after(Run.read(study.runs[name]), titles[name], study.places).savefig(drawn, format="png", dpi=DPI)
-    return picture(study.runs[name], Drawing("Before and after", caption_of(figure_before_after)), drawn=drawn)
+    return str(sound.fillna({"runout": 0.0}).sort_values(["runout", "displacement_magnitude"], kind="stable").index[-1])
+
+
+def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) -> Picture:
+    """The slope before and after a run, ``beside`` the matrix of all runs, and the same for a phone."""
+    run, tall = Run.read(study.runs[name]), beside is not None and beside.lines > TALL
+    equilibrium = found_equilibrium(run.scene)
+    pictures = []
+    for width in (NARROW, WIDTH):
+        drawn = io.BytesIO()
+        figure_before_after(run, title, study.places, equilibrium, width, stacked=tall).savefig(drawn, format="png", dpi=DPI)
+        pictures.append(picture(study.runs[name], Drawing("Before and after", caption_of(figure_before_after)), drawn=drawn))
+    narrow, wide = pictures
+    return wide._replace(narrow=narrow)
 
 
 def picture(path: str, drawing: Drawing, runs: Sequence[str] = (), drawn: io.BytesIO | None = None) -> Picture:

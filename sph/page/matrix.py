@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -13,7 +14,6 @@ from sph.figures.study import arranged
 from sph.figures.style import class_colours
 from sph.measures.metrics import CLASSES
 from sph.page.tables import AT_LEAST, metres
-from sph.scene.units import beside_g
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
 
@@ -51,6 +51,11 @@ class Matrix(NamedTuple):
     panels: Sequence[Panel]
     colours: Mapping[str, tuple[str, str]]  # of paper and ink, by the classes that there are
 
+    @property
+    def lines(self) -> int:
+        """Lines that it takes."""
+        return sum(2 + len(panel.rows) for panel in self.panels)
+
 
 def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, shown: Sequence[str]) -> Matrix | None:
     """The matrix of a study's ``table``, whose index are the names of runs, of which the page has those ``shown`` and some may have the
@@ -65,7 +70,7 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
         if (other := found.other) is not None:
             groups = runs.groupby(other.name, sort=False)
             rows = [(other.said(str(value)), _cells(of, along, head, shown)) for value, of in groups]
-        panels.append(Panel(title, [beside_g(value, along.unit) for value in head], rows))
+        panels.append(Panel(title, list(map(along.shown, head)), rows))
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
     return Matrix(f"Displacement of {probe} (m) in each run", found.panels[0].along.label, panels, {
         kind: colours for kind, colours in _colours().items() if kind in kinds
@@ -87,7 +92,7 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
     if row["status"] == Status.FAILED_UNSHAKEN:
         kind = UNSHAKEN
     least = AT_LEAST * is_lower_bound(row)
-    said = f"{kind}; run-out {least}{metres(row['runout'])} m"
+    said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {least}{metres(row['runout'])} m"  # a block has none
     return Cell(name, least + metres(row["displacement_magnitude"]), kind, said, name in shown)
 
 

@@ -5,24 +5,34 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sph.experiments.paper import figures
+from sph.experiments.paper.design import FIGURES as RESULTS
 from sph.experiments.paper.design import PaperStudy
+from sph.page.answer import CLAIMS, TRIGGER_CLAIM
 from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS, SPACING, TRIGGER, Section, drawings, numbered
 from sph.study.schema import Study
 
 PAPER_SECTIONS: tuple[Section, ...] = (
     FIGURES._replace(
-        text="Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
-        figures=drawings(figures.FIGURES, numbered(7)),
+        title="The paper's results",
+        text="Figures 4 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
+        figures=drawings(figures.FIGURES, numbered(RESULTS)),
+        leads=True,
     ),
     Section(
         "The paper's claims",
         "Each claim is turned into a test on numbers; a claim that fails is shown as such.",
         "snakemake --cores 2",
-        tables={"{fidelity}/claims.csv": "Claim, test, what was measured, verdict"},
+        tables={CLAIMS: "Claim, test, what was measured, verdict"},
         always=True,
+        leads=True,
+    ),
+    FIGURES._replace(
+        title="The paper's example",
+        text="Figures 1 to 3 of the paper: slope, motion and particles of this study.",
+        figures=drawings(figures.FIGURES, numbered(range(1, RESULTS.start))),
     ),
     PREFLIGHT,
-    TRIGGER._replace(tables={"*/trigger/claim.csv": "What the search says of the paper's claim", **TRIGGER.tables}),
+    TRIGGER._replace(tables={TRIGGER_CLAIM: "What the search says of the paper's claim", **TRIGGER.tables}),
     MAPS,
     *OF_EVERY_STUDY,
 )

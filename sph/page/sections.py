@@ -42,6 +42,7 @@ class Section(NamedTuple):
     aside: Sequence[str] = ()  # columns of its tables that are for programs
     keys: Sequence[str] = ()  # others that name keys and codes, which a client does not need
     always: bool = False  # made with every study
+    leads: bool = False  # stands before the run that the reader chooses
 
 
 MAP = "Map over the first dimension of the search and the shaking."
@@ -52,9 +53,9 @@ def drawings(figures: Mapping[str, Callable[..., Any]], names: Mapping[str, str]
     return {f"{{fidelity}}/figures/{file}.png": Drawing(name, caption_of(figures[file])) for file, name in names.items()}
 
 
-def numbered(count: int) -> dict[str, str]:
+def numbered(numbers: Iterable[int]) -> dict[str, str]:
     """Names of figures with numbers by those of their files."""
-    return {f"fig{number}": f"Figure {number}" for number in range(1, count + 1)}
+    return {f"fig{number}": f"Figure {number}" for number in numbers}
 
 
 INPUTS = dict(zip(INPUT_FIGURES, ("Section", "Motion", "Initial particles"), strict=True))

@@ -70,6 +70,13 @@ class Table(NamedTuple):
         return any(len(cell) > 70 for row in self.rows for cell in row)
 
 
+def filled(table: Table) -> Table:
+    """The table without columns in which nothing is known."""
+    kept = [at for at in range(len(table.head)) if any(row[at] != NOTHING for row in table.rows)]
+    head, *rows = ([row[at] for at in kept] for row in (table.head, *table.rows))
+    return table._replace(head=head, rows=rows)
+
+
 def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = (), aside: Collection[str] = ()) -> Table:
     """Table of a CSV file without the columns ``aside``, numbers to four digits, headings with the units that are declared; ValueError
     names a file that is not one.
@@ -149,7 +156,7 @@ class Column(NamedTuple):
 def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
     """Columns of the table of runs."""
     return [
-        *(Column(found.label, lambda row, found=found: beside_g(row[found.name], found.unit)) for found in dimensions),  # type: ignore[misc]
+        *(Column(found.label, lambda row, found=found: found.shown(row[found.name])) for found in dimensions),  # type: ignore[misc]
         Column("class", operator.itemgetter("collapse_class")),
         Column("status", _status),
         Column(f"displacement of {probe} (m)", lambda row: _at_least(row, "displacement_magnitude"), True),

@@ -48,6 +48,8 @@ AXES = tuple(each.axis for each in SHORT_NAMES.values())
 """The same in a study's tables."""
 ALTERNATIVE, BASE = "alternative", "base"
 """Dimension of a study with alternatives, and its value for the scene as it is."""
+RECORD = "motion.file"
+"""Dimension of the record, whose values have names."""
 CASE = "case"
 """Dimension of a study that is a list of runs, and the column of their names."""
 NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
@@ -88,6 +90,11 @@ class Dimension(NamedTuple):
     unit: str  # of the scene's key
     text: str  # its meaning
     words: bool  # some value is no number
+    names: tuple[tuple[str, str], ...] = ()  # values that are called otherwise than they are written, as a record's file
+
+    def shown(self, value: str) -> str:
+        """A value as it is read: an acceleration in g as well, a record by its name."""
+        return dict(self.names).get(value) or beside_g(value, self.unit)
 
     @property
     def symbol(self) -> str:
@@ -111,6 +118,8 @@ class Dimension(NamedTuple):
 
     def said(self, value: str) -> str:
         """Symbol, value and unit; an acceleration in g as well."""
+        if value in dict(self.names):
+            return f"{self.symbol} {self.shown(value)}"
         number, *of_gravity = beside_g(value, self.unit).split(" ", 1)
         return " ".join(word for word in (self.symbol, number, self.shown_unit, *of_gravity) if word)
 

@@ -19,7 +19,7 @@ from sph.measures.places import check_places, check_same_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, check_unit, written_amplitude
 from sph.storage.files import whole
-from sph.study.dimensions import ALTERNATIVE, BASE, Dimension, dimension, title_of, value_of
+from sph.study.dimensions import ALTERNATIVE, BASE, RECORD, Dimension, dimension, title_of, value_of
 from sph.study.runs import YIELD, BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
@@ -162,7 +162,15 @@ class Plan:
     def dimensions(self) -> list[Dimension]:
         """The dimensions with units and meanings."""
         scene = self.built(**next(iter(self.study.runs.values())))
-        return [dimension(name, values, scene) for name, values in self.study.values.items()]
+        found = [dimension(name, values, scene) for name, values in self.study.values.items()]
+        return [each._replace(names=self._records()) if each.name == RECORD else each for each in found]
+
+    def _records(self) -> tuple[tuple[str, str], ...]:
+        """The records of the study, as written, with what they are called where each has a name."""
+        first = {point[RECORD]: point for point in reversed(self.study.runs.values())}
+        motions = {written: self.built(**point).motion for written, point in first.items()}
+        names = {written: name for written, motion in motions.items() if (name := getattr(motion, "name", None))}
+        return tuple(names.items()) if len(set(names.values())) == len(motions) else ()  # one that the scene gives is not that of all
 
     def figure_titles(self, figure: str) -> list[list[str]]:
         """Titles of the runs of a figure: of profiles the dimensions in which runs of the study differ; none where it shows one run."""

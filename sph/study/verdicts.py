@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 HOLDS = "holds"
+AT_LEAST = "holds at least"
+"""Holds with a lower bound where the statement is of the value itself."""
 FAILS = "fails"
 MISSES = "misses"
 """A computed quantity lies outside its tolerance."""
@@ -10,3 +14,10 @@ NOT_YET = "not yet"
 """Needs results that are still to be made."""
 NOT_COVERED = "not covered"
 """The runs that there are do not decide it."""
+
+
+def tally(verdicts: Mapping[int, str]) -> tuple[str, str]:
+    """How many statements hold, and which ones have another verdict, in words; ``verdicts`` by their numbers."""
+    others = [verdict for verdict in dict.fromkeys(verdicts.values()) if verdict != HOLDS]
+    named = (f"{other}: {', '.join(str(number) for number, verdict in verdicts.items() if verdict == other)}" for other in others)
+    return f"{list(verdicts.values()).count(HOLDS)} of {len(verdicts)} hold", "; ".join(named)

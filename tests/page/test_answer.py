@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -173,31 +174,35 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
 
 
 def test_the_lead_says_what_the_strongest_shaking_does() -> None:
+    def said(*given: Any) -> str:
+        """The lead and what stands below it."""
+        return " ".join(lead(*given))
+
     runs = RUNS.assign(status="complete", diverged=0, collapse_class=["stable", "stable", "stable", "minor", "collapse", "collapse"])
     bare = runs.drop(columns=[name for name in runs if name.startswith(("road", "house"))])
     fails = "At 4 m/s2 (0.408 g) 3 of 4 runs fail, 2 of them by collapse"
-    assert lead(bare, []) == f"{fails}; debris runs at least 20.0 m beyond the toe.", "one met the end of the box"
-    assert lead(bare.assign(reached_side=""), []) == f"{fails}; debris runs up to 20.0 m beyond the toe."
+    assert said(bare, []) == f"{fails}; debris runs at least 20.0 m beyond the toe.", "one met the end of the box"
+    assert said(bare.assign(reached_side=""), []) == f"{fails}; debris runs up to 20.0 m beyond the toe."
     moving = "; debris runs at least 20.0 m beyond the toe; soil still moves at the end of 4 runs."
-    assert lead(bare.assign(reached_side="", still_moving=1), []) == fails + moving
-    assert lead(runs, []).endswith(
+    assert said(bare.assign(reached_side="", still_moving=1), []) == fails + moving
+    assert said(runs, []).endswith(
         ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. "
         "house: not reached in 4 runs."
     )
-    assert lead(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
+    assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
         "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. road: not reached in 2 runs. "
         "house: not reached in 2 runs. drained: 2 of 2 runs fail, debris runs at least 20.0 m beyond its toe, reaches road."
     ), "an alternative is no run of the slope as it is"
-    assert lead(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
-    held = lead(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
+    assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
+    held = said(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
     assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")
-    assert lead(bare.assign(runout=math.nan), []) == f"{fails}.", "a block has no run-out"
-    assert lead(bare[4:5], []) == "At 4 m/s2 (0.408 g) the slope collapses; debris runs up to 14.0 m beyond the toe."
-    assert lead(bare.drop(columns="amplitude")[:2], []) == "In this study no run fails."
-    assert "every run diverged" in lead(bare.assign(diverged=1), [])
-    assert lead(bare.assign(diverged=[0] * 5 + [1]), []).startswith(
+    assert said(bare.assign(runout=math.nan), []) == f"{fails}.", "a block has no run-out"
+    assert said(bare[4:5], []) == "At 4 m/s2 (0.408 g) the slope collapses; debris runs up to 14.0 m beyond the toe."
+    assert said(bare.drop(columns="amplitude")[:2], []) == "In this study no run fails."
+    assert "every run diverged" in said(bare.assign(diverged=1), [])
+    assert said(bare.assign(diverged=[0] * 5 + [1]), []).startswith(
         "At 4 m/s2 (0.408 g) 2 of 3 runs fail, 1 of them by collapse; 1 diverged;"
     )
     broken = finding("fails-unshaken", displaced_area=7.0, status="complete", spacing=1.0, run_spacing=1.0)
-    assert lead(bare, [Row(broken, 2, "a")]).startswith("The slope does not stand without shaking in 2 of 6 runs. At 4 m/s2")
-    assert lead(bare.assign(status="failed_unshaken"), []).startswith("The slope does not stand without shaking. At")
+    assert said(bare, [Row(broken, 2, "a")]).startswith("The slope does not stand without shaking in 2 of 6 runs. At 4 m/s2")
+    assert said(bare.assign(status="failed_unshaken"), []).startswith("The slope does not stand without shaking. At")

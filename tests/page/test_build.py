@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import datetime
+import functools
 import json
 import math
 import re
@@ -16,6 +17,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from made import FOLDER, RIGHT, TITLE, listed_study, made_study
+from matplotlib.figure import Figure
 from PIL import Image
 from synthetic import synthetic
 
@@ -23,10 +25,12 @@ from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
+from sph.figures.before_after import figure_before_after
 from sph.measures.fields import FIELDS as PARTICLE_FIELDS
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.output.run import Run
-from sph.page.answer import FINDINGS, going, levels, limit, searched, unshaken
+from sph.page import build
+from sph.page.answer import FINDINGS, claims, going, levels, limit, searched, unshaken
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST, explorer
 from sph.page.sections import DOCS, existing
@@ -44,6 +48,14 @@ from sph.study.tables import number_column, read_table, write_csv
 
 SCENES = Path(__file__).parents[2] / "config" / "scenes"
 HOSTILE = "</script><img src=x onerror=alert(1)>"
+
+
+@pytest.fixture(autouse=True)
+def _quickly_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The slope before and after, which other tests look at, takes half of the time of a page."""
+    blank = functools.wraps(figure_before_after)(lambda *of, **how: Figure(figsize=(1.0, 1.0)))
+    monkeypatch.setattr(build, "figure_before_after", blank)
+    monkeypatch.setattr(build, "found_equilibrium", lambda scene: None)
 
 
 class Words(HTMLParser):
@@ -110,7 +122,7 @@ def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
 
 def test_nothing_that_a_file_holds_becomes_markup(study: StudyFiles) -> None:
     Path(FOLDER, "trigger").mkdir()
-    Path(FOLDER, "trigger", "claim.csv").write_text(f'name,note\n"{HOSTILE}",**bold**\n')
+    Path(FOLDER, "trigger", "claim.csv").write_text(f'claim,verdict,note\n11,"{HOSTILE}",**bold**\n')
     page = build_page(study._replace(name=HOSTILE, files=existing(FOLDER, study.sections), probe="A"))
     words = Words(page)
     assert TITLE in words.text and HOSTILE in words.text
@@ -295,6 +307,15 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
         assert f"{amplitude} ({float(amplitude) / GRAVITY:.3g} g) {classes} {moved}" in first
     assert "0.100" in first and "0.400" in first and "1 of 4 runs diverged" in first and "Expected error" in first
     assert "2 of 4 runs move A by less than a spacing (2.5 m)" in first, "those at 4 m/s2, by 2.43 and by 0 m"
+
+
+def test_the_papers_results_and_claims_come_before_the_single_runs(study: StudyFiles) -> None:
+    first, _, rest = Words(build_page(study)).text.partition("Strength ratio S_R")
+    assert re.search(r"The paper's claims \d of 12 hold .*not covered: 1, ", first)
+    assert first.index("Figure 4.") < first.index("Each claim is turned into a test") and "Figure 1." in rest
+    # What runs leave open is decided by a search, in its first case.
+    write_csv(pd.DataFrame({"claim": [11, 11], "case": ["a", "b"], "verdict": ["holds", "fails"]}), f"{FOLDER}/claim.csv")
+    assert claims([f"{FOLDER}/claims.csv"], [f"{FOLDER}/claim.csv"])[0][1].startswith("1 of 12")
 
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
@@ -487,9 +508,10 @@ def test_millimetres_keep_their_digits() -> None:
 
 def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: StudyFiles) -> None:
     own, client = (Words(build_page(study._replace(client=client))).text for client in (False, True))
-    for words in ("snakemake --cores", "study.csv there", "sph fos", "sph run", "Not computed yet", "core-hours", "claims.csv"):
+    commands = ("snakemake --cores", "study.csv there", "sph fos", "sph run", "claims.csv")
+    for words in (*commands, "not searched", "Not computed yet", "core-hours"):
         assert words in own and words not in client, (words, client[max(client.find(words) - 80, 0) :][:200])
-    for words in (TITLE, "Factor of safety", "All runs", "Versions", "Figure 4"):
+    for words in (TITLE, "Shaking at which it fails", "All runs", "Versions", "Figure 4"):
         assert words in client, words
     assert "docs/" not in client
     for key in ("numerics.spacing", "soil.cohesion", "few-particles", "gamma-100", "failed_unshaken"):

@@ -44,6 +44,15 @@ def test_every_run_has_its_cell_wherever_it_stands_in_the_table() -> None:
     assert sorted(seen) == sorted(table.index)
 
 
+def test_records_are_called_by_their_names() -> None:
+    table = a_study(("0.1", "0.5"), ("1",), ("2.0",))
+    table["motion.file"] = ["kjm_000.csv", "elc_180.csv"]
+    record = Dimension("motion.file", "-", "", True, (("kjm_000.csv", "Kobe 1995, KJMA"),))
+    found = matrix(table, [record], "A", list(table.index))
+    assert found is not None and list(found.panels[0].head) == ["Kobe 1995, KJMA", "elc_180.csv"]
+    assert record.said("kjm_000.csv") == "record Kobe 1995, KJMA" and record.said("elc_180.csv") == "record elc_180.csv"
+
+
 def test_what_a_cell_says_of_its_run() -> None:
     table = a_study(("0.1",), ("1",), ("1.0", "2.0", "3.0", "4.0", "5.0"))
     table["status"] = ["complete", "failed_unshaken", "diverged", "complete", "complete"]

@@ -37,13 +37,28 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
                 ax.fill_between(
                     curve["intensity"], curve["probability_lower"], curve["probability_upper"], color=look["color"], alpha=0.2, linewidth=0
                 )
-            ax.plot(curve["intensity"], curve["probability"], label=_words(fit, searched.intensity.shown_unit), **look)
+            words = _words(fit, searched.intensity.shown_unit)
+            if len(curve):
+                ax.plot(curve["intensity"], curve["probability"], label=words, **look)
             low, high, share = steps(*brackets(rows))
             middle = 0.5 * (low + high)
-            ax.errorbar(middle, share, xerr=0.5 * (high - low), fmt="o", markersize=3, elinewidth=0.8, color=look["color"])
+            ax.errorbar(
+                middle,
+                share,
+                xerr=0.5 * (high - low),
+                fmt="o",
+                markersize=3,
+                elinewidth=0.8,
+                color=look["color"],
+                label=words if curve.empty else None,
+            )
         ax.set(ylim=(0.0, 1.0), ylabel="probability of reaching it" if lengths else "probability of reaching the class")
         ax.set_xlim(left=0.0)
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title=f"curve, {CONFIDENCE:.0%} band, brackets")
+        ax.legend(
+            loc="center left",
+            bbox_to_anchor=(1.0, 0.5),
+            title=f"curve, {CONFIDENCE:.0%} band, brackets" if (curves["case"] == case).any() else "brackets",
+        )
     axes[-1].set_xlabel(plain(searched.intensity.label))
     if searched.intensity.unit == "m/s2":
         also_in_g(axes[0], "x")

@@ -4,6 +4,7 @@
 ``columns``                                       columns of a CSV by their names
 ``comma_separated``, ``untimed``, ``peer``, ``knet``, ``smc``, ``cosmos``, ``esm``  a format each, of one component
 ``csmip``, ``geonet``, ``afad``, ``unam``         a format each, of several components
+``titles``                                        earthquake and station that a file names
 ``component``                                     which of several components is meant
 ``record``                                        a record in a scene: the section ``motion`` of kind ``record``
 ``stochastic``                                    a synthetic motion in place of a record's file

@@ -24,6 +24,7 @@ from sph.scene.ground_motion.processing import MAX_SAMPLES, BandPass, Baseline, 
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
 from sph.scene.ground_motion.stochastic import INTERVAL, Stochastic, synthesised
 from sph.scene.ground_motion.text import MAX_ACCELERATION
+from sph.scene.ground_motion.titles import MAX_TITLE, record_title
 from sph.scene.ground_motion.units import Unit
 from sph.scene.units import Acceleration
 
@@ -96,6 +97,13 @@ class Record(Section):
         min_length=1,
         max_length=1000,
     )
+    name: str | None = key(
+        "what the record is called in figures and tables, as 'Kobe 1995, KJMA'; null: earthquake and station as the head of its file names "
+        "them (PEER, ESM, K-NET, a line '# record: ...' of a CSV), else the file",
+        default=None,
+        min_length=1,
+        max_length=MAX_TITLE,
+    )
     component: ComponentName | None = key(
         "horizontal component in a file that holds several (CSMIP, GeoNet, AFAD, UNAM): its name in the file, as N-S, or its number",
         default=None,
@@ -153,6 +161,8 @@ class Record(Section):
             unequal=unequal,
         )
         named: dict[str, Any] = {"file": Path(values["file"]).name, "data": data}
+        if values.get("name") is None:
+            named["name"] = record_title(values["file"])
         if second:
             named["vertical"] = {**values["vertical"], "file": Path(second).name}
         return {**values, **named}

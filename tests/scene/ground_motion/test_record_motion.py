@@ -21,6 +21,7 @@ from sph.scene.configuration import merge, read_scene, scene_files
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.record import processed
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
+from sph.scene.ground_motion.titles import record_title
 from sph.scene.loading import make_loading, motion_of
 from sph.scene.motion import reference_amplitude
 from sph.scene.schema import Scene, load_scene, make_scene, stored_scene
@@ -75,6 +76,20 @@ def test_the_record_lies_in_the_working_folder(records: Path, monkeypatch: pytes
     (records / "scenes").mkdir()
     monkeypatch.chdir(records)
     np.testing.assert_allclose(motion_of(load_scene(written(records / "scenes"))).peak, np.abs(BURST).max(), atol=ROUNDING)
+
+
+def test_a_record_is_called_as_its_file_says_or_the_scene(records: Path, tmp_path: Path) -> None:
+    assert load_scene(written(records)).motion.name == "Made, 1/1/2000, Nowhere, 0"
+    assert load_scene(written(records, name="Kobe 1995, KJMA")).motion.name == "Kobe 1995, KJMA"
+    esm = "EVENT_NAME: \nEVENT_DATE_YYYYMMDD: 20161030\nSTATION_CODE: NRC\nSTATION_NAME: NORCIA\nSTREAM: HGE\n"
+    for text, title in {
+        knet(BURST, 100): "2000/01/01 00:00:00, AKT013, E-W",
+        esm: "20161030, NORCIA, HGE",
+        "# record: Imperial Valley 1940, El Centro\ntime (s), ax (g)\n0,0\n": "Imperial Valley 1940, El Centro",
+        "time (s), ax (g)\n0,0\n": None,
+    }.items():
+        (tmp_path / "one.txt").write_text(text)
+        assert record_title(tmp_path / "one.txt") == title
 
 
 def test_a_validated_scene_needs_no_file(records: Path) -> None:
