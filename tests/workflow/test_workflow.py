@@ -263,7 +263,7 @@ def test_a_metric_setting_reruns_no_simulation(finished: Path) -> None:
 
 def test_a_scene_key_reruns_the_stages(finished: Path) -> None:
     jobs = planned_jobs(finished, *write_config(finished, fidelities={"draft": {"soil": {"cohesion": 140.0}}}))
-    assert jobs["stage"] == 4 and jobs["simulate"] == 8
+    assert jobs["stage"] == 3 and jobs["search"] == 1 and jobs["simulate"] == 8
 
 
 def test_a_bad_configuration_is_refused_before_any_job(finished: Path) -> None:
