@@ -126,7 +126,8 @@ def draw_profile(ax: Axes, run: Run, frame: int, field: str, norm: Normalize, co
     circles = draw_circles(
         ax, x[soil], y[soil], spacing, array=values, cmap=colours or field_colours(field, scene), norm=norm, edgecolor="0.3", linewidth=0.1
     )
-    ax.add_collection(LineCollection(layer_outlines(scene), colors="0.25", linewidths=0.5, linestyles=":"))
+    for colour, style in (("white", "-"), ("black", ":")):  # to be seen on dark soil and beyond it
+        ax.add_collection(LineCollection(layer_outlines(scene), colors=colour, linewidths=0.7, linestyles=style))
     surface_x, surface_y = surface_line(scene)
     end_of_soil = run["x0"][soil].max() + 0.5 * spacing  # whole columns of particles may leave a part of the width empty
     ax.plot(np.minimum(surface_x, end_of_soil), surface_y, color="black", linewidth=0.7)
