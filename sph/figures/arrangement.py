@@ -266,9 +266,12 @@ def _failed(material: LayerMaterial) -> str:
 
 
 def coupling_words(scene: Scene) -> str:
-    """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named with theirs."""
+    """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named, or counted, with theirs."""
     own, *others = map(_kept, scene.materials)
-    apart = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in zip(scene.layers, others, strict=True) if kept != own]
+    names: dict[str, list[str]] = {}
+    for name, kept in zip(scene.layers, others, strict=True):
+        names.setdefault(kept, []).append(plain(name).replace("_", " "))
+    apart = [f"{kept} in {' and '.join(of) if len(of) < 3 else f'{len(of)} layers'}" for kept, of in names.items() if kept != own]
     rate = f", {named('gamma').equation(scene.coupling.gamma)}" if scene.coupling.gamma > 0.0 else ""
     return fill(f"{'; '.join([own, *apart])}{rate}", TITLE)
 

@@ -13,6 +13,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator
+from shapely import Polygon
 
 from sph.figures.style import WIDTH, add_note, colour_map, label_panels, plain, soil_colours, styled, written
 from sph.measures.fields import FIELDS, LAYER, with_end
@@ -54,7 +55,11 @@ def layer_outlines(scene: Scene) -> list[np.ndarray]:
 def _outline(region: Region, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Corners (n, 2) of a layer in the box, m, below a ground of these corners."""
     if isinstance(region, OutlinedRegion):
-        return np.column_stack(geometry.in_box(*region.outline.T))
+        ground = Polygon([*zip(x, y, strict=True), (x[-1], 0.0), (x[0], 0.0)])
+        inside = Polygon(np.column_stack(geometry.in_box(*region.outline.T))).intersection(ground)
+        pieces = [piece for piece in getattr(inside, "geoms", [inside]) if isinstance(piece, Polygon) and not piece.is_empty]
+        # A ground that cuts it into pieces leaves the largest.
+        return np.array(max(pieces, key=lambda piece: piece.area).exterior.coords) if pieces else np.empty((0, 2))
     if isinstance(region, ElevationRegion):
         ends = [
             geometry.in_box(0.0, end)[1] if end is not None else beyond for end, beyond in ((region.top, y.max()), (region.bottom, 0.0))
