@@ -266,7 +266,7 @@ def _failed(material: LayerMaterial) -> str:
 
 
 def coupling_words(scene: Scene) -> str:
-    """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named, or counted, with theirs."""
+    """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named or counted."""
     own, *others = map(_kept, scene.materials)
     names: dict[str, list[str]] = {}
     for name, kept in zip(scene.layers, others, strict=True):
