@@ -6,11 +6,13 @@ import math
 import os
 import time as clock
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from sph.command.status import REFRESH, Stand, State, look_at
 from sph.command.study import find_study
 from sph.experiments.study_row import run_values
+from sph.jobs.ahead import finished
 from sph.measures.metrics import Value
 from sph.output.run import Run
 from sph.page.answer import FINDINGS
@@ -86,7 +88,8 @@ class SoFar:
 
 
 def _path(state: State, base: Path) -> Path:
-    return base / state.job.run.file
+    """The file of a run, which may have been made ahead and lie beside its place."""
+    return finished(base / state.job.run.file)
 
 
 def _stand(state: State) -> str:
@@ -114,8 +117,9 @@ def page(given: Path | None, configfile: Path | None, watching: bool, say: Calla
     while True:
         begun = clock.monotonic()
         for each in pages:
-            if each.renew(growing=True):
-                say(each.said)
+            with suppress(FileNotFoundError):  # a run that was taken to its place between two looks is there at the next
+                if each.renew(growing=True):
+                    say(each.said)
         if not pages[-1].missing:
             return f"{pages[-1].folder}/report.html follows when snakemake is done"
         clock.sleep(max(REFRESH, REST * (clock.monotonic() - begun)))

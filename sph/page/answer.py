@@ -126,6 +126,8 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
     others = runs
     if (runs := as_it_is(runs)) is not others:
         level = f"As it is, {level[0].lower()}{level[1:]}"
+    elif ALTERNATIVE in runs and not (runs[ALTERNATIVE] == BASE).any():  # those of the scene as it is are still to come
+        level = f"With {' or '.join(map(str, runs[ALTERNATIVE].unique()))}, {level[0].lower()}{level[1:]}"
     known = runs[runs["diverged"] == 0]
     fail, collapse = (int(known["collapse_class"].isin(classes).sum()) for classes in (CLASSES[1:], CLASSES[-1:]))
     if known.empty:

@@ -193,6 +193,7 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
         "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. road: not reached in 2 runs. "
         "house: not reached in 2 runs. drained: 2 of 2 runs fail, debris runs at least 20.0 m beyond its toe, reaches road."
     ), "an alternative is no run of the slope as it is"
+    assert said(bare.assign(alternative="drained"), []).startswith("With drained, at 4 m/s2 (0.408 g) 3 of 4 runs fail"), "so far"
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
     held = said(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
     assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")
