@@ -117,7 +117,7 @@ def test_an_older_scene_file_runs_everything_again(copied: Path) -> None:
     path.write_text(path.read_text().replace("duration: 1.5", "duration: 1.6"))
     os.utime(path, LONG_AGO)
     jobs = planned_jobs(copied, *write(copied, "0.10", "0.50"), "--", TABLE)
-    assert jobs["stage"] == 3 and jobs["simulate"] == 2
+    assert jobs["stage"] == 2 and jobs["search"] == 1 and jobs["simulate"] == 2
 
 
 def test_a_newer_date_alone_runs_nothing(copied: Path) -> None:

@@ -165,13 +165,13 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     assert planned_jobs(finished, *config) == {"page": 1, "all": 1}, "which shows what was found"
     assert snakemake(finished, "--cores", "2", *config).returncode == 0
     page = (of(finished, "grid") / "report.html").read_text(encoding="utf-8")
-    assert "Critical intensities of the shaking" in page and page.count("data:image/png") == 9
+    assert "Critical intensities of the shaking" in page and page.count("data:image/png") == 10
 
 
 def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
     larger = SAMPLE | {"sample": SAMPLE["sample"] | {"size": 3}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, larger))
-    assert (jobs["stage"], jobs["simulate"], jobs["measure"]) == (3, 1, 1)
+    assert (jobs["stage"], jobs["search"], jobs["simulate"], jobs["measure"]) == (2, 1, 1, 1)
     wider = GRID | {"grid": GRID["grid"] | {"motion.frequency": ["1.0", "2.0", "3.0"]}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, wider))
     assert (jobs["stage"], jobs["simulate"]) == (2, 2)

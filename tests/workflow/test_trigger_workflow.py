@@ -85,7 +85,7 @@ def test_the_shipped_searches_are_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", *TARGETS)
     assert (
         jobs["want_points"] == jobs["measure_points"] == 8
-        and jobs["stage"] == 2
+        and jobs["search"] == 2
         and (jobs["map_figure"], jobs["map_figure_shares"]) == (4, 1)
     )
     assert "study" not in jobs

@@ -38,5 +38,5 @@ def test_the_readme_s_commands(tmp_path: Path) -> None:
         if "check" in arguments:
             assert all(word in told for word in ("clay", "till", "progressive-failure"))
         if name == "snakemake":
-            assert re.search(r"simulate\s+24\b", told), "12 runs at two spacings"
+            assert re.search(r"draft\s+12\b", told) and re.search(r"simulate\s+12\b", told), "12 runs at two spacings"
     assert {"motion.png", "scene.png", "look.png", "first.nc", "first.png"} <= {path.name for path in tmp_path.iterdir()}

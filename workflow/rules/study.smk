@@ -15,7 +15,7 @@ rule check:
     benchmark:
         f"{RESULTS}/benchmarks/check.tsv"
     priority: 100
-    threads: workflow.cores or 1
+    threads: workflow.resource_settings.cores or 1
     resources:
         **asked(lambda wildcards: PLAN.slope._replace(by=SAFETY)),
     params:
