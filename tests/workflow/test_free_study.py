@@ -120,7 +120,8 @@ def test_cases_and_samples_are_lists(finished: Path) -> None:
 def test_the_page_chooses_by_whatever_there_is(finished: Path) -> None:
     grid, cases = ((of(finished, name) / "report.html").read_text(encoding="utf-8") for name in ("grid", "cases"))
     assert 'name="soil.cohesion" value="150"' in grid and 'id="find"' not in grid
-    assert '<option value="case-000002" selected>case-000002: S_R 0.10, fluid tension limit 0 kPa</option>' in cases and 'id="find"' in cases
+    assert '<option value="case-000002" selected>case-000002: S_R 0.10, fluid tension limit 0 kPa</option>' in cases
+    assert 'id="find"' in cases
     for page, pictures in ((grid, 9), (cases, 8)):
         assert page.count("data:image/png") == pictures and "claims" not in page.partition("<main>")[0]
 
