@@ -434,7 +434,7 @@ def test_each_thin_layer_of_a_study_has_its_row_the_worst_first(tmp_path: Path) 
     one = scene(**{"geometry.base": 425.0}, layers=thin_layers(sand=3.0, silt=2.0, clay=1.0))
     told = [each for each in findings(one) if each.code == "thin-layer"]
     assert [(each.subject, words(each).measured) for each in told] == [
-        (n, f"{r} particles across") for n, r in (("clay", 1), ("silt", 2), ("sand", 3))
+        (n, f"{r} across") for n, r in (("clay", "1 particle"), ("silt", "2 particles"), ("sand", "3 particles"))
     ]
     write_preflight(tmp_path / "preflight.csv", study_findings({"one": one}))
     assert [row.finding for row in read_preflight(tmp_path / "preflight.csv") if row.finding.code == "thin-layer"] == told
@@ -443,7 +443,7 @@ def test_each_thin_layer_of_a_study_has_its_row_the_worst_first(tmp_path: Path) 
 def test_a_finding_of_several_runs_has_the_words_of_the_worst() -> None:
     scenes = {f"{rows}": scene(**{"geometry.base": 425.0}, layers=thin_layers(clay=rows)) for rows in (3.0, 1.0, 2.0)}
     (row,) = [row for row in study_findings(scenes) if row.finding.code == "thin-layer"]
-    assert (row.runs, row.worst_run, words(row.finding).measured) == (3, "1.0", "1 particles across")
+    assert (row.runs, row.worst_run, words(row.finding).measured) == (3, "1.0", "1 particle across")
 
 
 @pytest.mark.parametrize("name", [path.name for path in sorted(SCENES.glob("*.yaml"))])

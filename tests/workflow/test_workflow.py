@@ -210,7 +210,7 @@ def test_the_page_holds_the_study(finished: Path) -> None:
     folder = finished / "results" / "small" / "draft"
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert all(f"runs/{path.name}" in page for path in folder.glob("runs/*.nc"))
-    assert page.count("data:image/png") == 8, "seven figures, and the run that goes farthest"
+    assert page.count("data:image/png") == 9, "seven figures, and the run that goes farthest, on a desk and on a phone"
     assert "snakemake --cores 2 sensitivity" in page, "not made yet"
 
 
