@@ -4,5 +4,5 @@
   ``outputs``: the files that they are told to write
 * ``given``, ``study``: the scene or the study that a command is given
 * a module for each command; ``results`` for those that show a trajectory
-* ``named_files``: where a configuration or a scene names files, for ``pack``; ``compatible``: the scene made of the column of ``site``
+* ``compatible``: the scene made of the column of ``site``
 """

@@ -1,46 +1,43 @@
 """What ``sph pack`` writes: a study with every file that it names in one archive, which runs elsewhere by one command.
 
 ``snakemake --archive`` takes what git tracks below the working folder: the program, but no scene, ground line or record of one's own.
-Files keep their places relative to the working folder, or to the program's for those that are found there; others go to ``files/``.  A name
-that would not lead to its file in the archive is replaced where it is written; nothing else is changed.
+Files keep their places relative to the working folder, or to the program's for those that are found there, so that what names them need
+not be changed; a name that would not lead to its file in the archive is refused.
 """
 
 from __future__ import annotations
 
-import io
 import os
 import platform
 import shlex
-import shutil
 import zipfile
-from collections.abc import Mapping
-from contextlib import suppress
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Iterator, Mapping
+from importlib.metadata import version
 from pathlib import Path, PurePosixPath
+from typing import Any, Literal
 
 import sph
-from sph.command.named_files import NOTHING, Named, Role, named_files, renamed, words_of
 from sph.command.outputs import check_writable
 from sph.command.study import CONFIGURATION, find_study
-from sph.scene.configuration import found_file, read_yaml
+from sph.scene.configuration import CONTENT_KEYS, found_file, read_yaml
 from sph.solver.compiled.jit import solver_digest
 from sph.storage.files import whole
 from sph.storage.trajectory import PACKAGES
-from sph.study.plan import OWNER, Plan
 from sph.study.sampling import read_cases
 
-FILES, PROGRAM, README = "files", "program", "README.txt"
-"""In the archive: folder of files from elsewhere, folder of what says which program it was, and the file with the commands."""
-CONSTRAINTS = "constraints.txt"
-DATE = (1980, 1, 1, 0, 0, 0)
-"""Of every file in an archive, the earliest that it can hold: the same files give the same bytes, whoever packs them and when."""
+README = "README.txt"
+"""In the archive: the file with the commands."""
 LIBRARY = Path(os.path.abspath(sph.__file__)).parents[1]
+NOTHING = ("null", "~", "")
+"""Values of a dimension that name no file."""
 README_TEXT = """\
 {title}
 {line}
 
 This folder holds a study of slopes under earthquake shaking, with every file that it needs.
-It was packed by sph-slope {version}, whose solver has the digest {digest}.
+It was packed by sph-slope {version}, whose solver has the digest {digest}, with
+{packages}.
+The same versions give the same numbers to the last bit on the same kind of processor.
 
 1. Install sph-slope {version}. In a clone of it, here ~/sph-slope:
 
@@ -56,15 +53,7 @@ It was packed by sph-slope {version}, whose solver has the digest {digest}.
 3. Look at the scene before it is run:
 
    ~/sph-slope/.venv/bin/sph check {scene} --plot scene.png
-
-The folder {program}/ records all versions with which the study was packed. The same versions give the same
-numbers to the last bit on the same kind of processor; other versions or processors may give different ones.
-
-Contents:
-
-{contents}
 """
-
 RESULTS_TEXT = """
    The results are included. To continue from them, first run this command once with --touch added, since files from
    an archive look older than the program. To check that the results belong to this study and version, run
@@ -73,93 +62,89 @@ RESULTS_TEXT = """
 """
 
 
+Role = Literal["content", "scene", "configuration", "cases", "hazard"]
+"""What a named file is: content is looked for beside the scene that names it, else in the working folder, all else there or beside the
+library."""
+
+
+def named_files(data: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, str, Role]]:
+    """Every file that a configuration or a scene names: the dotted key, the name, and what it is."""
+    if isinstance(data, str):
+        role = _role(key)
+        if role is not None and data not in NOTHING:
+            yield ".".join(key), data, role
+    elif isinstance(data, Mapping):
+        holds_content = any(data.get(name) is not None for name in CONTENT_KEYS)
+        for name, value in data.items():
+            if not (holds_content and name == "file"):
+                yield from named_files(value, (*key, str(name)))
+    elif isinstance(data, (list, tuple)):
+        for item in data:
+            yield from named_files(item, key)
+
+
+def _role(key: tuple[str, ...]) -> Role | None:
+    """What a text is, by the keys down to it; None where it names no file."""
+    if key[-1:] == ("file",) or key and key[-1].endswith(".file"):
+        return "content"
+    if key[-1:] == ("scene",) and (len(key) == 1 or len(key) == 3 and key[0] in ("cases", "parameters")):
+        return "scene"
+    if key[:1] == ("experiments",) and len(key) == 2:
+        return "configuration"
+    return "cases" if key == ("cases",) else "hazard" if key == ("hazard",) else None
+
+
 class Packing:
     """The files of an archive, collected from those that name them."""
 
     def __init__(self) -> None:
-        self.roots = sorted((Path.cwd(), LIBRARY), key=lambda root: -len(root.parts))
-        """folders whose files keep their places: the working folder and the program's, the inner one first"""
         self.sources: dict[str, Path] = {}
         """files by their place in the archive"""
-        self.texts: dict[str, bytes] = {}
-        """content of those in which names were replaced, by place"""
-        self.words: dict[str, str] = {}
-        """what those are that the study needs, by place"""
 
-    def add(self, path: Path, words: str = "") -> str:
-        """Place of a file in the archive; ValueError where it cannot have its place."""
+    def add(self, path: Path, where: str) -> str:
+        """Place of a file in the archive; ValueError, which begins with ``where``, where it cannot have it."""
         path = Path(os.path.abspath(path))
-        root = next((root for root in self.roots if path.is_relative_to(root)), None)
-        if root is not None:
-            place = path.relative_to(root).as_posix()
-        else:
-            tried = (f"{FILES}/{folder}{path.name}" for folder in ("", *(f"{number}/" for number in range(2, len(self.sources) + 3))))
-            place = next(name for name in tried if self.sources.get(name, path) == path)
+        roots = sorted((Path.cwd(), LIBRARY), key=lambda root: -len(root.parts))  # the inner one first
+        root = next((root for root in roots if path.is_relative_to(root)), None)
+        if root is None:
+            raise ValueError(f"{where}: {path} lies outside the working folder {Path.cwd()}; copy it below that folder, and name it there")
+        place = path.relative_to(root).as_posix()
         first = self.sources.setdefault(place, path)
         if first != path and first.read_bytes() != path.read_bytes():
             raise ValueError(f"{path}: would be {place} in the archive, and so would {first}, which differs; rename one of them")
-        if place == README or PurePosixPath(place).parts[0] == PROGRAM:
-            raise ValueError(f"{path}: would be {place} in the archive, which has a file or folder of its own with that name; rename it")
-        if words:
-            self.words.setdefault(place, words)
+        if place == README:
+            raise ValueError(f"{path}: would be {place} in the archive, which has a file of its own with that name; rename it")
         return place
 
-    def text(self, path: Path, words: str, is_scene: bool = False) -> str:
-        """Place of a configuration or a scene, with all that it names; ValueError for a file that is not there, with the key."""
-        place = self.add(path)
-        if place in self.words:
-            return place
-        self.words[place] = words
-        read_yaml(path)
-        text, folder = path.read_bytes().decode("utf-8"), PurePosixPath(place).parent
-        names: dict[Named, str] = {}
-        for each in named_files(text):
-            where = f"{path}: {each.key}"
-            name = self.name_of(each.value, each.role, each.words, where, (path.parent, folder) if is_scene else None)
-            if name != each.value:
-                names[each] = name
-                _check_kept(each.value, name if each.is_dimension else each.value, where)
-        if names:
-            try:
-                self.texts[place] = renamed(text, names).encode()
-            except ValueError as error:
-                raise ValueError(f"{path}: {error}") from error
-        return place
+    def add_named(self, named: tuple[str, str, Role], within: Path, scene: str | None = None) -> str:
+        """Place of a file that is named in the file ``within``: in a configuration, or in a ``scene`` of that place.
 
-    def table(self, path: Path, words: str) -> str:
-        """Place of a table of cases, with the files that its columns name."""
-        for number, case in enumerate(read_cases([Path()], os.path.abspath(path)), 1):
-            for name, value in case.items():
-                if name.endswith(".file") and value not in NOTHING:
-                    where = f"{path}: {name} of case {number}"
-                    _check_kept(value, self.name_of(value, Role.CONTENT, words_of(name), where), where)
-        return self.add(path, words)
-
-    def name_of(self, value: str, role: Role, words: str, where: str, beside: tuple[Path, PurePosixPath] | None = None) -> str:
-        """What a file is to be called where it is named by ``value``: as it is, wherever that leads to its place in the archive.
-
-        ``beside`` is the folder of a scene, on disk and in the archive, where its files are looked for first.
+        ValueError for a file that is not there, and for a name that would not lead to it from the archive.
         """
-        folders = [Path.cwd()] if role == Role.CONTENT else [Path.cwd(), LIBRARY]
-        places = [*([] if beside is None else [beside]), *((folder, PurePosixPath()) for folder in folders)]
-        path = found_file([folder for folder, _ in places], value, where)
-        seen_from = next(place for folder, place in places if folder / value == path)
-        if role in (Role.SCENE, Role.CONFIGURATION):
-            target = self.text(path, words, role == Role.SCENE)
-        else:
-            target = self.table(path, words) if role == Role.CASES else self.add(path, words)
-        leads_there = not os.path.isabs(value) and os.path.normpath(seen_from / value) == target
-        return value if leads_there else os.path.relpath(target, seen_from)
+        key, name, role = named
+        where, folders = f"{within}: {key}", {Path.cwd(): PurePosixPath()}
+        if scene is not None:
+            folders = {within.parent: PurePosixPath(scene).parent} | folders
+        if role != "content":
+            folders[LIBRARY] = PurePosixPath()
+        path = found_file(list(folders), name, where)
+        place = self.add_text(path, where, role == "scene") if role in ("scene", "configuration") else self.add(path, where)
+        seen_from = next(seen_from for folder, seen_from in folders.items() if folder / name == path)
+        if os.path.isabs(name) or os.path.normpath(seen_from / name) != place:
+            raise ValueError(f"{where}: {name!r}: would not lead to its file elsewhere; write {os.path.relpath(place, seen_from)}")
+        for number, case in enumerate(read_cases([Path()], str(path)) if role == "cases" else (), 1):
+            for key, name, of_case in named_files(case):
+                self.add_named((f"{key} of case {number}", name, of_case), path)
+        return place
 
-    def add_results(self, plan: Plan, scene: str) -> None:
-        """Add the results of a study, whose scene is called ``scene`` in the archive; ValueError where there are none."""
-        folder = Path("results", plan.study.study)
-        found = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.name.startswith(".")]
-        if not found:
-            raise ValueError(f"--results: {folder}: holds no results; run the study first, or leave --results out")
-        for path in found:
-            self.add(path)
-        self.texts[(folder / OWNER).as_posix()] = f"{scene}\n".encode()
+    def add_text(self, path: Path, where: str, is_scene: bool = False) -> str:
+        """Place of a configuration or a scene, with all that it names."""
+        known = len(self.sources)
+        place = self.add(path, where)
+        if len(self.sources) > known:
+            for named in named_files(read_yaml(path)):
+                self.add_named(named, path, place if is_scene else None)
+        return place
 
 
 def pack(configuration: Path, out: Path | None = None, results: bool = False) -> tuple[Path, int]:
@@ -176,66 +161,36 @@ def pack(configuration: Path, out: Path | None = None, results: bool = False) ->
         )
     plan = find_study(configuration).plan
     name = plan.study.study
-    path = out or Path(f"{name}.zip")
+    path, folder = out or Path(f"{name}.zip"), Path("results", name)
     if path.suffix.lower() != ".zip":
         raise ValueError(f"--out {path}: the name must end in .zip")
     packing = Packing()
-    place = packing.text(configuration, "study")
+    place = shlex.quote(packing.add_text(configuration, "STUDY"))
     if laid_over:
-        packing.text(CONFIGURATION, "configuration whose keys the study overrides")
-    scene = packing.name_of(plan.study.scene, Role.SCENE, "scene", f"{configuration}: scene")
+        packing.add_text(CONFIGURATION, str(configuration))
+    scene = packing.add_named(("scene", plan.study.scene, "scene"), configuration)
     if results:
-        packing.add_results(plan, os.path.normpath(scene))
-    members = packing.sources | packing.texts
+        found = [file for file in sorted(folder.rglob("*")) if file.is_file() and not file.name.startswith(".")]
+        if not found:
+            raise ValueError(f"--results: {folder}: holds no results; run the study first, or leave --results out")
+        for file in found:
+            packing.add(file, "--results")
+        if Path(os.path.abspath(path)).is_relative_to(folder.absolute()):
+            raise ValueError(f"--out {path}: lies among the results to be packed; choose another folder")
     check_writable(path, packing.sources.values())
-    if results and Path(os.path.abspath(path)).is_relative_to(Path.cwd() / "results" / name):
-        raise ValueError(f"--out {path}: lies among the results to be packed; choose another folder")
-    members |= _program() | {README: _readme(plan, packing, place, scene, results).encode()}
-    write_zip(path, {f"{name}/{each}": content for each, content in members.items()})
-    return path, len(members)
-
-
-def write_zip(path: Path, members: Mapping[str, Path | bytes]) -> None:
-    """Write an archive, whole or not at all, of files by name: those of disk, or their content; sorted, of one date and one mode."""
-    with whole(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-        for name in sorted(members):
-            member, info = members[name], zipfile.ZipInfo(name, DATE)
-            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16  # as of Unix, everywhere
-            info.file_size = len(member) if isinstance(member, bytes) else member.stat().st_size
-            with io.BytesIO(member) if isinstance(member, bytes) else member.open("rb") as source, archive.open(info, "w") as target:
-                shutil.copyfileobj(source, target)
-
-
-def _program() -> dict[str, Path | bytes]:
-    """The packages of the release, where the program is a clone, and what is in use."""
-    used = {"sph": sph.__version__, "solver": solver_digest(), "python": platform.python_version()}
-    for package in (*PACKAGES, "snakemake"):
-        with suppress(PackageNotFoundError):  # Snakemake is an extra
-            used[package] = version(package)
-    text = "".join(f"{name} {found}\n" for name, found in used.items()).encode()
-    constraints = LIBRARY / CONSTRAINTS
-    return {f"{PROGRAM}/version.txt": text} | ({f"{PROGRAM}/{CONSTRAINTS}": constraints} if constraints.is_file() else {})
-
-
-def _readme(plan: Plan, packing: Packing, configuration: str, scene: str, results: bool) -> str:
-    title, folder = f"Study {plan.study.study}", f"results/{plan.study.study}"
-    contents = [*sorted(packing.words.items()), *([(f"{folder}/", "results")] if results else []), (f"{PROGRAM}/", "versions")]
-    width = max(len(place) for place, _ in contents)
-    return README_TEXT.format(
-        title=title,
+    readme = README_TEXT.format(
+        title=(title := f"Study {name}"),
         line="=" * len(title),
         version=sph.__version__,
         digest=solver_digest(),
-        configuration=shlex.quote(configuration),
+        packages=", ".join((f"Python {platform.python_version()}", *(f"{package} {version(package)}" for package in PACKAGES))),
+        configuration=place,
         page=f"{plan.folder}/report.html",
-        results=RESULTS_TEXT.format(configuration=shlex.quote(configuration)) if results else "",
+        results=RESULTS_TEXT.format(configuration=place) if results else "",
         scene=shlex.quote(scene),
-        program=PROGRAM,
-        contents="\n".join(f"   {place:<{width}}  {words}" for place, words in contents),
     )
-
-
-def _check_kept(value: str, name: str, where: str) -> None:
-    """ValueError for a file that is the value of a dimension and would be called otherwise in the archive."""
-    if name != value:
-        raise ValueError(f"{where}: {value} lies outside the working folder, and runs are named by it; move it below that folder")
+    with whole(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
+        archive.writestr(f"{name}/{README}", readme)
+        for place, source in sorted(packing.sources.items()):
+            archive.write(source, f"{name}/{place}")
+    return path, len(packing.sources) + 1
