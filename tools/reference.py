@@ -45,14 +45,14 @@ from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
 from sph.experiments.variants import advice
 from sph.experiments.variants.advice import percent
+from sph.experiments.variants.assumptions import ASSUMPTIONS, read_assumptions
 from sph.experiments.variants.assumptions import QUANTITIES as CHANGED
-from sph.experiments.variants.assumptions import read_assumptions
 from sph.experiments.variants.convergence import CONVERGENCE
 from sph.experiments.variants.figures_robustness import REFUSED
-from sph.experiments.variants.robustness import read_robustness
+from sph.experiments.variants.robustness import ROBUSTNESS, read_robustness
 from sph.experiments.variants.schema import FIDELITY, TIME_STEP, Variants
 from sph.experiments.variants.second_spacing import spacing_columns
-from sph.experiments.variants.table import Summary, summary
+from sph.experiments.variants.table import COST_ACCURACY, Summary, summary
 from sph.measures.places import place_columns
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene, load_scene
@@ -512,7 +512,9 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "study": lambda: _keys(AnyStudy),
     "variants_keys": lambda: _keys(Variants),
     **{f"{each.name}_keys": functools.partial(_keys, keys) for keys, each in _KINDS.items()},
-    **{f"{each.name}_variables": functools.partial(_variables, each.trace.columns) for each in _KINDS.values() if each.trace},
+    "cost-accuracy_variables": lambda: _variables(COST_ACCURACY),
+    "assumptions_variables": lambda: _variables(ASSUMPTIONS),
+    "robustness_variables": lambda: _variables(ROBUSTNESS),
     "failure_rule": lambda: _keys(FailureRule),
     "validation_variables": lambda: _variables(VALIDATION),
     "sample_variables": lambda: _variables(SAMPLE),

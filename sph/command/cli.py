@@ -310,7 +310,7 @@ def page(
 def explain(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="study (YAML), whose study.csv is meant; or a table (CSV) or a run (netCDF) in its results"),
+        typer.Argument(metavar="FILE", help="study (YAML) or its study.csv, or a run or a stage (netCDF) of any target"),
     ],
     where: Annotated[list[str] | None, typer.Argument(metavar="[COLUMN=VALUE]...", help="rows to trace; all by default")] = None,
     column: Annotated[str | None, typer.Option(help="the one column to define; all by default")] = None,

@@ -1,9 +1,8 @@
-"""Where a number of a table comes from (``sph explain``): its run, what that was made from and by, and whether that is what is planned now.
+"""Where a number of a study comes from (``sph explain``): its run, what that was made from and by, and whether that is what is planned now.
 
-A table names the runs of a row, by its dimensions or by a column; the place of a run's file names its scene in the configuration.  A row
-*agrees* if every run holds the scene that the configuration and the files on disk give now, was made by the solver that is installed, and
-gives the row's numbers when it is measured again.  What rests on many runs together (claims, indices, brackets) is traced by the table of
-its runs.
+The dimensions of a row of ``study.csv`` name its runs; the place of a run's file, of any target, names its scene in the configuration.  A
+row *agrees* if every run holds the scene that the configuration and the files on disk give now, was made by the solver that is installed,
+and gives the row's numbers when it is measured again.
 
 ``snakemake --summary`` says what would be made again.  It knows neither rows nor columns, and takes for current an edited table, and the
 file of one run copied over that of another.
@@ -11,9 +10,8 @@ file of one run copied over that of another.
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,26 +19,19 @@ import pandas as pd
 
 from sph.checks.messages import search_words
 from sph.command.study import find_study
-from sph.experiments.registry import EXPERIMENTS
-from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY_FOLDER
-from sph.experiments.sensitivity.tables import sample_columns
-from sph.experiments.study_row import measured, run_values
-from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
-from sph.experiments.trigger.points import point_columns
+from sph.experiments.study_row import run_values
 from sph.jobs.catalogue import ALONE, Catalogue
 from sph.jobs.exit_codes import DIFFERS
-from sph.measures.metrics import measure
 from sph.output.run import Run
 from sph.scene.configuration import CONTENT_KEYS
 from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
 from sph.solver.compiled.jit import solver_digest
 from sph.storage import trajectory
-from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, point_name, value_of
 from sph.study.plan import Plan
 from sph.study.planned import differing
-from sph.study.tables import read_csv
+from sph.study.tables import read_table
 
 
 class Content(NamedTuple):
@@ -88,19 +79,10 @@ class Row(NamedTuple):
         return found + [f"{n.column}: {n.value} in the table, {n.again} measured now" for n in self.numbers if not n.agrees]
 
 
-class Table(NamedTuple):
-    """How the rows of a table are traced."""
-
-    columns: Sequence[Variable]
-    named: Sequence[str]  # columns that tell rows apart
-    files: Callable[[Mapping[str, str]], list[str]]  # files of a row's runs
-    values: Callable[[list[Run]], Mapping[str, Any]]  # columns measured from these runs
-
-
 def explain(file: Path, conditions: Mapping[str, str], column: str | None, configfile: Path | None, as_json: bool) -> tuple[str, int]:
     """Rows in words or for machines, and the exit code, whether one is not as planned; of numbers the ``column`` alone where one is named.
 
-    The file is a table or a run among results, or the configuration of a study, whose table is meant.
+    The file is the table of a study, its configuration, or a run among results.
     """
     rows, plan = traced(file, conditions, configfile)
     known = [number.column for number in rows[0].numbers]
@@ -112,7 +94,7 @@ def explain(file: Path, conditions: Mapping[str, str], column: str | None, confi
 
 
 def traced(file: Path, conditions: Mapping[str, str], configfile: Path | None = None) -> tuple[list[Row], Plan]:
-    """The rows of a table that meet the conditions, or one row without numbers for a run's file, and the study they belong to.
+    """The rows of a study's table that meet the conditions, or one row without numbers for a run's file, and the study they belong to.
 
     ValueError names a file that cannot be traced, an unknown column, or conditions that no row meets.
     """
@@ -125,14 +107,16 @@ def traced(file: Path, conditions: Mapping[str, str], configfile: Path | None = 
         catalogue = find_study(results, configfile)
     if not file.is_file():
         raise ValueError(f"{file}: there is no such file")
+    plan, layout = catalogue.plan, catalogue.plan.layout
     if file.suffix == ".nc":
-        return [Row({}, [origin(catalogue, relative)[0]], [])], catalogue.plan
-    table = table_of(catalogue, relative)
-    frame = read_csv(file, table.columns, file.name)
-    written = pd.read_csv(file, dtype=str, keep_default_na=False)[list(frame.columns)]
+        return [Row({}, [origin(catalogue, relative)[0]], [])], plan
+    if relative != f"{plan.folder}/study.csv":
+        raise ValueError(f"{file}: is not study.csv of study {plan.study.study}, nor a run or stage (.nc), which can be explained")
+    read_table(file, layout)
+    written = pd.read_csv(file, dtype=str, keep_default_na=False)
     for name in conditions:
-        if name not in (columns := [column.name for column in table.columns]):
-            raise ValueError(f"{file}: has no column {name!r}; it has {', '.join(columns)}")
+        if name not in layout.names:
+            raise ValueError(f"{file}: has no column {name!r}; it has {', '.join(layout.names)}")
     rows = [
         {str(name): cell for name, cell in row.items()}
         for row in written.to_dict("records")
@@ -140,9 +124,8 @@ def traced(file: Path, conditions: Mapping[str, str], configfile: Path | None = 
     ]
     if not rows:
         at = ", ".join(f"{name}={value}" for name, value in conditions.items())
-        raise ValueError(f"{file}: has no row with {at}; it has {len(written)} rows, identified by {', '.join(table.named)}")
-    known = functools.lru_cache(maxsize=16)(functools.partial(origin, catalogue))  # rows share a search
-    return [_row(table, row, known) for row in rows], catalogue.plan
+        raise ValueError(f"{file}: has no row with {at}; it has {len(written)} rows, identified by {', '.join(_named(plan))}")
+    return [_row(catalogue, row) for row in rows], plan
 
 
 def located(file: Path) -> tuple[str, Path | None]:
@@ -159,58 +142,9 @@ def located(file: Path) -> tuple[str, Path | None]:
     return relative.as_posix(), None if alone else Path(*path.parts[: at + 3])
 
 
-def table_of(catalogue: Catalogue, file: str) -> Table:
-    """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""
-    plan, settings, place = catalogue.plan, catalogue.plan.study.metrics, Path(file).parent
-    sampled = Path(plan.folder, SENSITIVITY_FOLDER)
-    alone = {f"{folder}/{name}.csv": (name, trace) for folder, name in ALONE.items() if (trace := EXPERIMENTS[name].trace)}
-    if file == f"{plan.folder}/study.csv":
-        return _study(plan)
-    if place.name == TRIGGER_FOLDER and Path(file).name in ("points.csv", "maps.csv") and place.parts[0] == "results":
-        trigger = catalogue.trigger
-
-        def searched(row: Mapping[str, str]) -> list[str]:
-            return [run.file for run in trigger.runs_at([(row["case"], {axis: row[axis] for axis in trigger.names})])]
-
-        columns = point_columns(trigger.dimensions.all, settings.places)
-        return Table(columns, ["case", *trigger.names], searched, lambda runs: measured(runs[0], settings))
-    if Path(file) == sampled / "sample.csv" or place == sampled / "samples":
-        sensitivity, files = catalogue.sensitivity, {run.id: run.file for run in catalogue.sampled.values()}
-        return Table(
-            sample_columns(sensitivity.axes, sensitivity.quantities),
-            ["run"],
-            lambda row: [files[row["run"]]],
-            lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], settings)},
-        )
-    if file in alone:
-        name, trace = alone[file]
-        design = catalogue.design(name)
-        of = trace.runs(design)
-        return Table(
-            trace.columns,
-            trace.named,
-            lambda row: [design.runs[run].file for run in of[tuple(row[name] for name in trace.named)]],
-            lambda runs: trace.measure(runs[0], settings) if runs else {},
-        )
-    raise ValueError(
-        f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "
-        "runs and stages (.nc), and study.csv, trigger/points.csv, trigger/maps.csv, sensitivity/sample.csv, "
-        f"sensitivity/samples/*.csv, {', '.join(f'{name}.csv' for name, _ in alone.values())} in their folders"
-    )
-
-
-def _study(plan: Plan) -> Table:
-    layout = plan.layout
-
-    def files(row: Mapping[str, str]) -> list[str]:
-        name = row["case"] if layout.named else point_name({axis.name: row[axis.name] for axis in layout.axes})
-        return [plan.shared.runs[name].file, *([plan.searches[name].file] if name in plan.searches else [])]
-
-    def values(runs: list[Run]) -> Mapping[str, Any]:
-        return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if len(runs) > 1 else math.nan)
-
-    named = ["case"] * layout.named + [axis.name for axis in layout.axes]
-    return Table([row._replace(dtype="str") if row in layout.axes else row for row in layout.columns], named, files, values)
+def _named(plan: Plan) -> list[str]:
+    """Columns that tell rows apart."""
+    return ["case"] * plan.layout.named + [axis.name for axis in plan.layout.axes]
 
 
 def origin(catalogue: Catalogue, file: str) -> tuple[Origin, Run | None]:
@@ -251,21 +185,26 @@ def contents(scene: Mapping[str, Any], section: str = "") -> list[Content]:
     return found
 
 
-def _row(table: Table, row: Mapping[str, str], known: Callable[[str], tuple[Origin, Run | None]]) -> Row:
-    try:
-        found = [known(file) for file in table.files(row)]
-    except KeyError:
-        found = [(Origin("-", "", [], "", "", "", ["the present configuration has no such run"]), None)]
-    runs = [run for _, run in found if run is not None]
-    again = table.values(runs) if len(runs) == len(found) else {}
+def _row(catalogue: Catalogue, row: Mapping[str, str]) -> Row:
+    plan, layout = catalogue.plan, catalogue.plan.layout
+    point = {name: row[name] for name in _named(plan)}
+    name = row["case"] if layout.named else point_name(point)
+    if name not in plan.shared.runs:
+        return Row(point, [Origin("-", "", [], "", "", "", ["the present configuration has no such run"])], [])
+    files = [plan.shared.runs[name].file, *([plan.searches[name].file] if name in plan.searches else [])]
+    origins, runs = zip(*(origin(catalogue, file) for file in files), strict=True)
+    run, *searches = runs
+    again: Mapping[str, Any] = {}
+    if run is not None and None not in searches:
+        again = run_values(run, plan.study.metrics, float(searches[0].attrs["value"]) if searches else math.nan)
     numbers = []
-    for column in table.columns:
-        if column.name not in table.named:
+    for column in layout.columns:
+        if column.name not in point:
             value = again.get(column.name)
             text = None if value is None else repr(value) if isinstance(value, float) else str(value)
             told = row[column.name]
             numbers.append(Number(column.name, told, column.units, column.text, text, text is None or _is(told, text)))
-    return Row({name: row[name] for name in table.named}, [each for each, _ in found], numbers)
+    return Row(point, list(origins), numbers)
 
 
 def _is(written: str, value: str) -> bool:

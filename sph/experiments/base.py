@@ -5,22 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, model_validator
 
 from sph.measures.fields import check_probe
-from sph.measures.metrics import MetricSettings
-from sph.output.run import Run
 from sph.scene.configuration import Section, key
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
-from sph.storage.trajectory import Variable
 from sph.study.plan import Plan
 from sph.study.schema import NAME, Study
 
@@ -43,19 +39,6 @@ class Cases(Section):
         return self
 
 
-class Trace(NamedTuple):
-    """How the rows of the table <name>.csv are traced to their runs (``sph explain``)."""
-
-    columns: Sequence[Variable]
-    """of the table"""
-    named: Sequence[str]
-    """columns that tell rows apart"""
-    runs: Callable[[Any], Mapping[tuple[str, ...], Sequence[str]]]
-    """names of a row's runs by the values of these columns, from the design"""
-    measure: Callable[[Run, MetricSettings], Mapping[str, Any]]
-    """columns that the first of these runs gives again"""
-
-
 class Experiment(NamedTuple):
     """An experiment: ``EXPERIMENT`` of the module ``design`` in the folder of its name, which ``sph.experiments.registry`` lists.
 
@@ -73,18 +56,11 @@ class Experiment(NamedTuple):
     """whether its results belong to no study; those of others are below the study's"""
     study: type[Study] | None = None
     """a study with the keys that it adds to those of any"""
-    module: str = ""
-    """what measures, below this package; none: ``measure`` in the folder of its name"""
 
     @property
     def folder(self) -> str:
         """Where the results of one that stands alone go, relative to the working folder."""
         return f"results/{self.name}"
-
-    @property
-    def trace(self) -> Trace | None:
-        """How the rows of its table are traced, ``TRACE`` of the module that measures; None where they are not single runs."""
-        return getattr(import_module(f"{__package__}.{self.module or f'{self.name}.measure'}"), "TRACE", None)
 
     def plan(self, file: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> Any:
         """Its design; where it stands alone, the runs of it in its folder."""

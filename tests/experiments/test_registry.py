@@ -10,7 +10,6 @@ from small_scenes import study_plan
 from sph.experiments.registry import CONFIGURED, EXPERIMENTS
 from sph.scene.configuration import read_yaml, validated
 from sph.study.planned import digest
-from sph.study.tables import read_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 ALONE = [name for name, each in EXPERIMENTS.items() if each.alone]
@@ -21,12 +20,6 @@ def test_an_experiment_is_what_its_name_says(name: str) -> None:
     each = EXPERIMENTS[name]
     assert each.name == name and each.folder == f"results/{name}"
     assert each.keys is None or validated(each.keys, read_yaml(ROOT / study_plan().study.file_of(name)), name)
-
-
-@pytest.mark.parametrize("name", ALONE)
-def test_a_table_of_the_release_has_the_columns_of_the_experiment(name: str) -> None:
-    shipped, trace = ROOT / "sph" / "experiments" / "measured" / f"{name}.csv", EXPERIMENTS[name].trace
-    assert trace and (not shipped.is_file() or len(read_csv(shipped, trace.columns, name)))
 
 
 def test_what_a_measuring_job_is_given_has_the_same_digest_each_time() -> None:

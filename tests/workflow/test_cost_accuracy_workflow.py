@@ -109,13 +109,6 @@ def test_the_table_answers_the_command(climbed: Path) -> None:
     assert result.exit_code in (0, 2) and "s per run on one core" in result.stdout
 
 
-def test_every_row_is_traced(climbed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(climbed)
-    write_config(climbed, experiments={"cost-accuracy": "mine.yaml"})
-    result = CliRunner().invoke(app, ["explain", "results/cost-accuracy/cost-accuracy.csv", "--configfile", "study.yaml"])
-    assert result.exit_code == 0 and "8 of 8 rows agree" in result.stdout, result.output
-
-
 def test_a_finished_study_has_nothing_to_do_and_a_new_variant_runs_alone(climbed: Path) -> None:
     config = write_config(climbed, experiments={"cost-accuracy": "mine.yaml"})
     assert planned_jobs(climbed, *config, "--", "cost-accuracy") == {}

@@ -162,7 +162,7 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     assert row["displacement_magnitude"] == measure(run)["displacement_magnitude"]
     assert not (folder / "claim.csv").exists() and (folder / "figures" / "trigger.png").exists()
     assert planned_jobs(finished, *config, "--", "trigger") == {}
-    sph("explain", folder / "points.csv", "--configfile", config[1])
+    sph("explain", folder / "as-it-is" / "runs" / "amplitude-8.5_soil.cohesion-20.nc", "--configfile", config[1])
     assert planned_jobs(finished, *config) == {"page": 1, "all": 1}, "which shows what was found"
     assert snakemake(finished, "--cores", "2", *config).returncode == 0
     page = (of(finished, "grid") / "report.html").read_text(encoding="utf-8")

@@ -14,9 +14,7 @@ import pytest
 import xarray as xr
 import yaml
 from test_workflow import ROOT, planned_jobs, snakemake, write_config
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import SOBOL
 from sph.measures.metrics import measure
@@ -95,13 +93,6 @@ def test_a_run_holds_the_factors_of_its_row(analysed: Path) -> None:
     assert confirmed.numerics.spacing == 6.0
 
 
-def test_every_run_is_traced(analysed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(analysed)
-    written(analysed)
-    result = CliRunner().invoke(app, ["explain", f"{FOLDER}/sample.csv", "--configfile", "study.yaml"])
-    assert result.exit_code == 0 and "20 of 20 rows agree" in result.stdout, result.output
-
-
 def test_other_ranges_and_another_scene_run_everything_again(analysed: Path, tmp_path: Path) -> None:
     """Runs keep their names: measured as they are, they would pass for those of the new values."""
     folder = Path(shutil.copytree(analysed, tmp_path / "other"))
@@ -133,7 +124,7 @@ def test_a_larger_analysis_runs_only_what_is_new(analysed: Path, tmp_path: Path)
     assert len(pd.read_csv(folder / FOLDER / "samples" / "sobol.csv")) == 10
 
 
-def test_a_back_analysis_adds_its_own_runs_to_the_sample(analysed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_back_analysis_adds_its_own_runs_to_the_sample(analysed: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(analysed, tmp_path / "back"))
     result = snakemake(folder, "--dry-run", *written(folder), "--", "back_analysis")
     text = result.stdout + result.stderr
@@ -156,9 +147,6 @@ def test_a_back_analysis_adds_its_own_runs_to_the_sample(analysed: Path, tmp_pat
         assert measure(run)["displacement_magnitude"] == pytest.approx(row["measured"])
     assert (place / "figures" / "back_analysis.png").read_bytes().startswith(b"\x89PNG")
     assert planned_jobs(folder, *config, "--", "back_analysis") == {}
-    monkeypatch.chdir(folder)
-    told = CliRunner().invoke(app, ["explain", f"{FOLDER}/samples/back.csv", "--configfile", "study.yaml"])
-    assert told.exit_code == 0 and f"{len(confirmed)} of {len(confirmed)} rows agree" in told.stdout, told.output
 
 
 def test_ranges_that_cannot_be_built_are_refused_before_any_job(analysed: Path) -> None:

@@ -11,9 +11,7 @@ import pytest
 import xarray as xr
 import yaml
 from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import BRACKETED, confirm_columns, critical_columns, read_critical
 from sph.experiments.trigger.design import Searched
@@ -144,14 +142,6 @@ def test_figures_are_drawn(searched: Path) -> None:
     for name in ("trigger", "fragility", "exceedance", "shares", "map-class", "map-displacement", "map-runout", "map-failed"):
         picture = searched / FOLDER / "figures" / f"{name}.png"
         assert picture.read_bytes().startswith(b"\x89PNG") and picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
-
-
-def test_every_point_is_traced(searched: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(searched)
-    write(searched)
-    for table, count in (("points", 8), ("maps", 12)):
-        result = CliRunner().invoke(app, ["explain", f"{FOLDER}/{table}.csv", "--configfile", "study.yaml"])
-        assert result.exit_code == 0 and f"{count} of {count} rows agree" in result.stdout, result.output
 
 
 def test_a_finished_search_has_nothing_to_do(searched: Path) -> None:

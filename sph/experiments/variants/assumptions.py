@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.experiments.base import Trace
 from sph.experiments.variants.design import Measured
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.output.run import Run
@@ -40,6 +39,3 @@ def measure_assumptions(plan: Measured, runs: Mapping[str, Run], settings: Metri
 def read_assumptions(path: Path | str = SHIPPED) -> pd.DataFrame:
     """Table from its CSV; ValueError names a file that is not one."""
     return read_csv(path, ASSUMPTIONS, "the assumptions")
-
-
-TRACE = Trace(ASSUMPTIONS, ("change", "case"), lambda design: {(row.variant, row.case): row.runs for row in design.rows}, measure)

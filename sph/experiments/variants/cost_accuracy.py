@@ -8,7 +8,6 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from sph.experiments.base import Trace
 from sph.experiments.variants.convergence import CONVERGENCE, convergence_table
 from sph.experiments.variants.design import Measured
 from sph.experiments.variants.figures import figure_convergence, figure_tradeoff
@@ -19,15 +18,6 @@ from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset, read_csv
 
 TIMING = "solver's loop of whole runs on one core each, side by side on as many cores as the workflow was given; median of the repeats"
-
-OF_ALL = {"wall_time", "particle_steps_per_second"}
-"""Columns that are medians over repeats."""
-TRACE = Trace(
-    COST_ACCURACY,
-    ("parameter", "variant", "case"),
-    lambda design: {(row.parameter, row.variant, row.case): row.runs for row in design.rows},
-    lambda run, settings: {name: value for name, value in measured_run(run, settings).items() if name not in OF_ALL},
-)
 
 
 def measure_cost_accuracy(

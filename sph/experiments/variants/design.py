@@ -276,16 +276,16 @@ def load_spacing(file: str, study: Plan, folders: Sequence[Path] = (Path(),), ch
     return found
 
 
-def _experiment(name: str, keys: type[Variants], module: str) -> Experiment:
-    return Experiment(name, functools.partial(load_variants, name, keys), keys, module=f"variants.{module}")
+def _experiment(name: str, keys: type[Variants]) -> Experiment:
+    return Experiment(name, functools.partial(load_variants, name, keys), keys)
 
 
 EXPERIMENTS = (
-    _experiment("cost-accuracy", CostAccuracy, "cost_accuracy"),
-    _experiment("resolution", CostAccuracy, "cost_accuracy"),
-    _experiment("assumptions", Assumptions, "assumptions"),
-    _experiment("robustness", Robustness, "robustness"),
-    Experiment("spacing", load_spacing, alone=False, module="variants.second_spacing"),
+    _experiment("cost-accuracy", CostAccuracy),
+    _experiment("resolution", CostAccuracy),
+    _experiment("assumptions", Assumptions),
+    _experiment("robustness", Robustness),
+    Experiment("spacing", load_spacing, alone=False),
 )
 EARLIER = {"trade": "cost-accuracy", "limits": "assumptions", "extremes": "robustness"}
 """What they are called now, by the names that targets and configurations had until version 0.3."""

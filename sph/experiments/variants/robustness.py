@@ -12,7 +12,6 @@ import pandas as pd
 import scipy  # type: ignore[import-untyped]
 from matplotlib.figure import Figure
 
-from sph.experiments.base import Trace
 from sph.experiments.variants.design import Measured
 from sph.experiments.variants.figures_robustness import REFUSED, figure_robustness
 from sph.measures.linked import largest_mass
@@ -134,11 +133,3 @@ def draw_robustness(table: str) -> Figure:
     D diverged, R refused.
     """
     return figure_robustness(read_robustness(table))
-
-
-TRACE = Trace(
-    ROBUSTNESS,
-    ("sweep", "value", "case"),
-    lambda design: {(row.parameter, row.variant, row.case): row.runs for row in design.rows},
-    lambda run, settings: {name: value for name, value in checks(run, False).items() if name != "asymmetry"},
-)
