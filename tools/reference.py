@@ -16,7 +16,7 @@ import sys
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import pandas as pd
 from pydantic import BaseModel
@@ -71,6 +71,39 @@ from tools.sliding_blocks import cause_rows, read_blocks, spread_rows
 from tools.slow_sine import read_slow_sine
 
 
+class Reference(NamedTuple):
+    """A table: headings, rows and a note below; the first column holds names, as in the program."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+
+
+class Strong(str):
+    """A cell that is set in bold."""
+
+
+TABLES: dict[str, Callable[[], Reference]] = {}
+"""The tables by name."""
+Lines = Iterator[tuple[str, ...]]
+Rows = TypeVar("Rows", bound=Callable[[Any], Lines])
+
+
+def table(name: str, head: str, of: Callable[[], Any] | None = None, note: Callable[[Any], str] = lambda _: "") -> Callable[[Rows], Rows]:
+    """Make a function the rows of a table with headings, apart by bars, and a note, of what ``of`` reads: a table of the release."""
+    read = of or functools.partial(read_measured, name)
+
+    def made(rows: Rows) -> Rows:
+        TABLES[name] = lambda: Reference(head.split(" | "), list(rows(data := read())), note(data))
+        return rows
+
+    return made
+
+
+def _validation() -> pd.DataFrame:
+    return read_validation(SHIPPED_VALIDATION)
+
+
 def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
     """Rows (key, unit, default, allowed, source, meaning), sections first, then what they hold."""
     for name, field in model.model_fields.items():
@@ -82,27 +115,9 @@ def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, st
             yield from key_rows(section, f"{path} ({_tag(section)})." if len(variants) > 1 else f"{path}.")
         for section in named_sections(field.annotation):
             yield from key_rows(section, f"{path}.<name>.")
-        listed = _listed_sections(field.annotation)
+        listed = sections(typing.get_args(field.annotation)[0]) if typing.get_origin(field.annotation) is tuple else []
         for section in listed:
             yield from key_rows(section, f"{path}[] ({_tag(section)})." if len(listed) > 1 else f"{path}[].")
-
-
-def variable_rows(variables: Iterable[Variable]) -> Iterator[tuple[str, str, str, str, str]]:
-    """Rows (variable, dimensions, type, unit, meaning)."""
-    for variable in variables:
-        yield variable.name, ", ".join(variable.dims), variable.dtype, variable.units, variable.text
-
-
-class Reference(NamedTuple):
-    """A table: headings, rows and a note below; the first column holds names, as in the program."""
-
-    head: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    note: str = ""
-
-
-class Strong(str):
-    """A cell that is set in bold."""
 
 
 def markdown(table: Reference) -> str:
@@ -119,25 +134,34 @@ def _cell(text: str) -> str:
     return re.sub(r"<(?=[A-Za-z/])", "&lt;", re.sub(r"(?<!\*)\*(?!\*)", r"\\*", text.replace("|", "\\|")))
 
 
-def variant_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (variant, particle-steps/s, time of a run, errors, class) of a cost-accuracy study."""
-    for variant in summary(table):
-        errors = ("reference", "reference") if variant.reference else _errors(variant)
-        speed = f"{variant.particle_steps_per_second / 1e6:.1f} M"
-        yield variant.name, speed, f"{variant.cost:.3g} s", *errors, f"{variant.classes_agree} of {variant.cases}"
-
-
-def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]], scheme: str = "paper") -> Reference:
+def _measured(scheme: str = "paper") -> Reference:
     """Table of the shipped cost-accuracy study of a scheme with the machine as its note; without rows while there is none."""
+    head = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "same class as the reference")
     table = advice.shipped_table(scheme)
     if table is None:
         return Reference(head, [], f"{advice.NOT_MEASURED_YET[0].upper()}{advice.NOT_MEASURED_YET[1:]}.")
+    rows = []
+    for variant in summary(table):
+        errors = ("reference", "reference") if variant.reference else _errors(variant)
+        speed = f"{variant.particle_steps_per_second / 1e6:.1f} M"
+        rows.append((variant.name, speed, f"{variant.cost:.3g} s", *errors, f"{variant.classes_agree} of {variant.cases}"))
     cases = "; ".join(dict.fromkeys(table["case"]))
-    return Reference(head, list(rows(table)), f"Cases {cases}; one core of {table['machine'].iloc[0]}, runs side by side.")
+    return Reference(head, rows, f"Cases {cases}; one core of {table['machine'].iloc[0]}, runs side by side.")
 
 
-def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (case, quantity, computed, reference, errors, tolerance, order, verdict, cost) of the suite; title and cost once a case."""
+def _code_words(table: pd.DataFrame) -> str:
+    cases = table[table["code"] != ""].groupby("code")["case"].unique()
+    return "Runs made by " + "; ".join(f"{code}: {', '.join(names)}" for code, names in cases.items()) + "."
+
+
+@table(
+    "validation",
+    "case | quantity | computed | reference | error, coarse to fine | tolerance | order | verdict | cost",
+    _validation,
+    note=_code_words,
+)
+def case_lines(table: pd.DataFrame) -> Lines:
+    """Every result of the suite; title and cost once a case."""
     seen = set()
     for row in table.to_dict("records"):
         first, exact = row["case"] not in seen, row["reference"] == 0
@@ -152,15 +176,13 @@ def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
             " / ".join(f"{error:.1e}" if exact else _per_cent(error) for error in errors),
             f"{row['tolerance']:.2g}" if exact else f"{100 * row['tolerance']:.2g} %",
             "" if math.isnan(row["order"]) else f"{row['order']:.1f}",
-            Strong(row["verdict"]) if row["verdict"] == MISSES else row["verdict"],
+            _verdict(row),
             f"{row['cost']:.3g} s" if first else "",
         )
 
 
-def code_words(table: pd.DataFrame) -> str:
-    """Which code made the runs of which cases."""
-    cases = table[table["code"] != ""].groupby("code")["case"].unique()
-    return "Runs made by " + "; ".join(f"{code}: {', '.join(names)}" for code, names in cases.items()) + "."
+def _verdict(row: Mapping[Any, Any]) -> str:
+    return row["verdict"] if row["verdict"] == HOLDS else Strong(row["verdict"])
 
 
 def _per_cent(error: float) -> str:
@@ -182,13 +204,20 @@ def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield str(change), *cells
 
 
-def _assumptions_table(table: pd.DataFrame) -> Reference:
+def _assumptions() -> Reference:
+    table = read_assumptions()
     cases = dict.fromkeys(table["case"])
     return Reference(("change", *(f"{case}, {what}" for case in cases for what in ("A", "run-out"))), list(change_lines(table)))
 
 
-def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (sweep, values, sound runs, diverged, refused, then the worst of the sound runs' checks) of the robustness study."""
+@table(
+    "robustness",
+    "key | values | sound | diverged | refused | energy gap up to | area of the deposit | "
+    "5th percentile of nearest distance, at least | depth in walls up to | apart from the mass up to",
+    read_robustness,
+)
+def sweep_lines(table: pd.DataFrame) -> Lines:
+    """The sweeps, with the worst of the sound runs' checks."""
     for sweep, rows in table[table["sweep"] != TIME_STEP].groupby("sweep", sort=False):
         sound = rows[~rows["status"].isin((Status.DIVERGED, REFUSED))]
         diverged, refused = (
@@ -209,16 +238,18 @@ def too_long(steps: pd.DataFrame) -> pd.Series:
     return steps["status"].isin((Status.DIVERGED, Status.FAILED_UNSHAKEN))
 
 
-def outcome_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (section of the configuration, settings, sound, diverged, falsely fallen, refused) of the robustness study."""
+@table("outcomes", "section | settings | sound | diverged | failed under gravity alone, unlike at shorter steps | refused", read_robustness)
+def outcome_lines(table: pd.DataFrame) -> Lines:
+    """How many settings of each section of the configuration end how."""
     for section, rows in (("parameters", table[table["sweep"] != TIME_STEP]), ("time_steps", table[table["sweep"] == TIME_STEP])):
         diverged, refused = ((rows["status"] == status).sum() for status in (Status.DIVERGED, REFUSED))
         fallen = too_long(rows).sum() - diverged if section == "time_steps" else 0
         yield section, *(str(count) for count in (len(rows), len(rows) - diverged - fallen - refused, diverged, fallen, refused))
 
 
-def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (scheme, largest sound step, the first that is too long) of the time steps, over the limit from theory."""
+@table("time_steps", "scheme | largest sound step over the limit | first that is too long", read_robustness)
+def step_lines(table: pd.DataFrame) -> Lines:
+    """The time steps of each scheme, over the limit from theory."""
     for scheme, rows in table[table["sweep"] == TIME_STEP].groupby("case", sort=False):
         factors = rows["value"].astype(float)
         first = factors[too_long(rows)].min()
@@ -226,24 +257,26 @@ def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield str(scheme), f"{sound:g}", "none" if math.isnan(first) else f"{first:g}"
 
 
-def claim_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (number, claim, verdict, measured) of the paper's claims."""
-    for row in read_measured("claims").to_dict("records"):
-        verdict = row["verdict"] if row["verdict"] == HOLDS else Strong(row["verdict"])
-        yield str(row["claim"]), row["statement"], verdict, row["measured"]
+@table("claims", f"claim | the paper says | verdict | measured at `{BASELINE}`, 6 m/s²")
+def claim_lines(table: pd.DataFrame) -> Lines:
+    """The paper's claims."""
+    for row in table.to_dict("records"):
+        yield str(row["claim"]), row["statement"], _verdict(row), row["measured"]
 
 
-def resolved_claim_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (number, claim, study and fidelity, verdict, measured) of the claims with the scheme of one's own slopes."""
-    table = read_measured("resolved_claims")
+@table("resolved_claims", "claim | the paper says | study, fidelity | verdict | measured at 6 m/s²")
+def resolved_claim_lines(table: pd.DataFrame) -> Lines:
+    """The claims with the scheme of one's own slopes."""
     for row in table.sort_values("claim", kind="stable").to_dict("records"):
-        verdict = row["verdict"] if row["verdict"] == HOLDS else Strong(row["verdict"])
-        yield str(row["claim"]), row["statement"], f"{row['study']}, {row['fidelity']}", verdict, row["measured"]
+        yield str(row["claim"]), row["statement"], f"{row['study']}, {row['fidelity']}", _verdict(row), row["measured"]
 
 
-def slip_level_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (slope, S_R, slip at the residual strength, bracket at each spacing) of the critical amplitude."""
-    table = read_levels()
+SLIP_CASES = ("2.5 m", "5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
+
+
+@table("slip_levels", f"study | S_R | residual strength after | {' | '.join(SLIP_CASES)}", read_levels)
+def slip_level_lines(table: pd.DataFrame) -> Lines:
+    """Brackets of the critical amplitude at each spacing."""
     table = table[table["slip_at_residual"].notna()]
     for (study, ratio, slip), rows in table.groupby(["study", "S_R", "slip_at_residual"], sort=False, dropna=False):
         brackets = {row["case"]: _bracket(row) for row in rows.to_dict("records")}
@@ -251,9 +284,9 @@ def slip_level_lines() -> Iterator[tuple[str, ...]]:
         yield str(study), said, f"{1e3 * float(str(slip)):.0f} mm", *(brackets.get(case, "") for case in SLIP_CASES)
 
 
-def slip_choice_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (choice, bracket, change against the scene as it is) of the critical amplitude."""
-    table = read_levels()
+@table("slip_choices", "changed | critical amplitude, m/s² | change", read_levels)
+def slip_choice_lines(table: pd.DataFrame) -> Lines:
+    """The same of a choice that should not matter, and its change against the scene as it is."""
     rows = table[table["slip_at_residual"].isna()].assign(level=lambda found: 0.5 * (found["lower"] + found["upper"])).to_dict("records")
     for row in rows:
         yield row["case"], _bracket(row), f"{100 * (row['level'] / rows[0]['level'] - 1):+.0f} %"
@@ -263,9 +296,15 @@ def _bracket(row: Mapping[Any, Any]) -> str:
     return f"above {row['lower']:.4g}" if math.isnan(row["upper"]) else f"{row['lower']:.4g} to {row['upper']:.4g}"
 
 
-def slow_sine_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (period over T, S_R, slips, bracket of the amplitude, over k_c, of a rigid block, amplification) of the slow sines."""
-    for row in read_slow_sine().to_dict("records"):
+@table(
+    "slow_sine",
+    "period over T | S_R | slip at peak and residual strength | amplitude at which the slope fails | over k_c | "
+    "rigid block over k_c | amplification of a column",
+    read_slow_sine,
+)
+def slow_sine_lines(table: pd.DataFrame) -> Lines:
+    """The slow sines."""
+    for row in table.to_dict("records"):
         slips = f"{1e3 * row['slip_at_peak']:.0f} and {1e3 * row['slip_at_residual']:.0f} mm"
         over = 100.0 * (0.5 * (row["lower"] + row["upper"]) / LIMIT - 1.0)
         block = " to ".join(f"{100.0 * (row[name] / LIMIT - 1.0):+.0f}" for name in ("block_peak", "block_residual"))
@@ -280,31 +319,60 @@ def slow_sine_lines() -> Iterator[tuple[str, ...]]:
         )
 
 
-def finding_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (code, severity, meaning) of all that can be found."""
-    for code, severity in SEVERITIES.items():
+table(
+    "sliding_blocks",
+    "slope | strength | rigid block | pairs | moved further | block over slope, geometric mean | "
+    "standard deviation of ln | range | overload, median",
+    read_blocks,
+)(spread_rows)
+table(
+    "block_causes",
+    "slope | Arias intensity, m/s | overload | block under the column over slope | correlation with overload | with Arias intensity",
+    read_blocks,
+)(cause_rows)
+
+
+@table("findings", "code | severity | meaning", lambda: SEVERITIES)
+def finding_lines(severities: Mapping[str, Severity | None]) -> Lines:
+    """All that can be found."""
+    for code, severity in severities.items():
         yield code, str(severity) if isinstance(severity, Severity) else "note or warning", meaning(code)
 
 
-def solid_state_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (solid state, gamma, S_R, A's displacement at each time) of either solid state of failed soil."""
-    for row in read_measured("solid_states").to_dict("records"):
+@table("solid_states", f"solid state of failed soil | γ, 1/s | S_R | {' | '.join(f'A at {time:g} s' for time in READ_AT)}")
+def solid_state_lines(table: pd.DataFrame) -> Lines:
+    """A's displacement with either solid state of failed soil."""
+    for row in table.to_dict("records"):
         moved = (f"{row[f'displacement_{time:g}']:.3g} m" for time in READ_AT)
         yield row["solid_after_failure"], f"{row['gamma']:g}", f"{row['S_R']:.2f}", *moved
 
 
-def time_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (task, time, conditions, machine) of the README's commands."""
+def _study_tasks() -> set[str]:
+    """The timed tasks that are the whole study, one a fidelity."""
+    table = advice.shipped_table()
+    return set() if table is None else {STUDY_AT + fidelity for fidelity in table["variant"][table["parameter"] == FIDELITY]}
+
+
+@table("times", "what | time | conditions | machine")
+def time_lines(table: pd.DataFrame) -> Lines:
+    """The README's commands."""
     studies = _study_tasks()
-    for row in read_measured("times").to_dict("records"):
+    for row in table.to_dict("records"):
         if row["task"] not in studies:
             yield row["task"], duration(row["wall_time"]), row["conditions"], row["machine"]
 
 
-def speed_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (processor, what, measured, code, when) of the newest of each stored measurement of speed on each processor."""
+def _history() -> list[Any]:
+    """Stored measurements of speed, by pytest-benchmark."""
+    folder = Path(__file__).parents[1] / "tests" / "benchmarks" / "history"
+    return [json.loads(path.read_text(encoding="utf-8")) for path in folder.rglob("*.json")]
+
+
+@table("speed", "processor | what | measured | code | when", _history)
+def speed_lines(runs: Sequence[dict[str, Any]]) -> Lines:
+    """The newest of each stored measurement of speed on each processor."""
     newest: dict[tuple[str, str], tuple[str, ...]] = {}
-    for run in sorted((json.loads(path.read_text(encoding="utf-8")) for path in HISTORY.rglob("*.json")), key=lambda run: run["datetime"]):
+    for run in sorted(runs, key=lambda run: run["datetime"]):
         machine, commit = run["machine_info"], run["commit_info"]
         code = f"{commit['version']}, solver {commit['solver'][:8]}"
         for each in run["benchmarks"]:
@@ -315,9 +383,22 @@ def speed_lines() -> Iterator[tuple[str, ...]]:
     yield from newest.values()
 
 
-def fidelity_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (fidelity, time of the study, class and displacement against the baseline, time of a run, errors) of the fidelities."""
-    times = read_measured("times").set_index("task")["wall_time"]
+def _fidelities_note(table: pd.DataFrame) -> str:
+    studies = table[table["task"].isin(_study_tasks())]
+    where = "; ".join(dict.fromkeys(f"{row['machine']}, {row['conditions'].partition(';')[0]}" for row in studies.to_dict("records")))
+    return f"Whole study: {where}. Errors: one run against the finest of the cost-accuracy study."
+
+
+@table(
+    "fidelities",
+    f"fidelity | whole study | class as at `{BASELINE}` | A's displacement against `{BASELINE}` | one run | "
+    "A's displacement, error | run-out, error",
+    functools.partial(read_measured, "times"),
+    note=_fidelities_note,
+)
+def fidelity_lines(table: pd.DataFrame) -> Lines:
+    """The fidelities against the baseline, and their errors."""
+    times = table.set_index("task")["wall_time"]
     compared = read_measured("fidelities").set_index("fidelity")
     measured_trade = advice.shipped_table()
     for variant in [] if measured_trade is None else summary(measured_trade[measured_trade["parameter"] == FIDELITY]):
@@ -330,33 +411,27 @@ def fidelity_lines() -> Iterator[tuple[str, ...]]:
         yield variant.variant, whole, *against, f"{variant.cost:.3g} s", *_errors(variant)
 
 
-def _study_tasks() -> set[str]:
-    """The timed tasks that are the whole study, one a fidelity."""
-    table = advice.shipped_table()
-    return set() if table is None else {STUDY_AT + fidelity for fidelity in table["variant"][table["parameter"] == FIDELITY]}
-
-
-def _fidelities_table() -> Reference:
-    times = read_measured("times")
-    studies = times[times["task"].isin(_study_tasks())]
-    where = "; ".join(dict.fromkeys(f"{row['machine']}, {row['conditions'].partition(';')[0]}" for row in studies.to_dict("records")))
-    note = f"Whole study: {where}. Errors: one run against the finest of the cost-accuracy study."
-    return Reference(FIDELITY_HEAD, list(fidelity_lines()), note)
-
-
-def origin_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (table, solver, configuration and version it was measured with, command that renews it) of the tables of the release."""
-    noted = {row["table"]: row for row in shipped.read_origins().to_dict("records")}
-    for name, table in shipped.SHIPPED.items():
+@table("origins", "table | solver | configuration | version | renewed by", shipped.read_origins)
+def origin_lines(table: pd.DataFrame) -> Lines:
+    """What the tables of the release were measured with, and the command that renews each."""
+    noted = {row["table"]: row for row in table.to_dict("records")}
+    for name, measured in shipped.SHIPPED.items():
         row = noted.get(name, {})
         solver, *others = (row.get(key, shipped.NOT_RECORDED) for key in ("solver", "configuration", "version"))
         repeated = f" ({row['repeated']} repeated)" if row.get("repeated") else ""
-        commands = ", ".join(f"`{command}`" for command in table.renewal.split(" && "))
+        commands = ", ".join(f"`{command}`" for command in measured.renewal.split(" && "))
         yield name, solver + repeated, *others, commands
 
 
-def missed_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (case, title, how many quantities are missed, which with error and tolerance) of the cases that miss any."""
+def _missed_note(table: pd.DataFrame) -> str:
+    held = table["verdict"] == HOLDS
+    whole = held.groupby(table["case"]).all()
+    return f"{held.sum()} of {len(table)} quantities are within their tolerance, in {whole.sum()} of {len(whole)} cases all of them."
+
+
+@table("missed", "case | problem | missed | worst error (tolerance)", _validation, note=_missed_note)
+def missed_lines(table: pd.DataFrame) -> Lines:
+    """The cases that miss any of their quantities."""
     for case, rows in table.groupby("case", sort=False):
         missed = rows.assign(over=rows["error"] / rows["tolerance"])[rows["verdict"] == MISSES]
         if len(missed):
@@ -365,13 +440,6 @@ def missed_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
                 for row in missed.sort_values(["over", "error"], key=abs, ascending=False).to_dict("records")
             ]
             yield str(case), rows["title"].iloc[0], f"{len(missed)} of {len(rows)}", errors[0]
-
-
-def _missed_table(table: pd.DataFrame) -> Reference:
-    held = table["verdict"] == HOLDS
-    whole = held.groupby(table["case"]).all()
-    note = f"{held.sum()} of {len(table)} quantities are within their tolerance, in {whole.sum()} of {len(whole)} cases all of them."
-    return Reference(("case", "problem", "missed", "worst error (tolerance)"), list(missed_lines(table)), note)
 
 
 def trust_text() -> str:
@@ -416,63 +484,15 @@ def commands_text() -> str:
     return made.stdout[made.stdout.index("\n## ") :].strip()
 
 
-SWEEP_HEAD = (
-    "key", "values", "sound", "diverged", "refused", "energy gap up to", "area of the deposit",
-    "5th percentile of nearest distance, at least", "depth in walls up to", "apart from the mass up to",
-)  # fmt: skip
-OUTCOME_HEAD = ("section", "settings", "sound", "diverged", "failed under gravity alone, unlike at shorter steps", "refused")
-STEP_HEAD = ("scheme", "largest sound step over the limit", "first that is too long")
-VARIANT_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "same class as the reference")
-CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
-RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", "measured at 6 m/s²")
-SLIP_CASES = ("2.5 m", "5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
-SLIP_LEVEL_HEAD = ("study", "S_R", "residual strength after", *SLIP_CASES)
-SLIP_CHOICE_HEAD = ("changed", "critical amplitude, m/s²", "change")
-SLOW_SINE_HEAD = (
-    "period over T", "S_R", "slip at peak and residual strength", "amplitude at which the slope fails", "over k_c", "rigid block over k_c",
-    "amplification of a column",
-)  # fmt: skip
-BLOCK_HEAD = (
-    "slope",
-    "strength",
-    "rigid block",
-    "pairs",
-    "moved further",
-    "block over slope, geometric mean",
-    "standard deviation of ln",
-    "range",
-    "overload, median",
-)
-CAUSE_HEAD = (
-    "slope",
-    "Arias intensity, m/s",
-    "overload",
-    "block under the column over slope",
-    "correlation with overload",
-    "with Arias intensity",
-)
-SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
-SPEED_HEAD = ("processor", "what", "measured", "code", "when")
-HISTORY = Path(__file__).parents[1] / "tests" / "benchmarks" / "history"
-"""Stored measurements of speed, by pytest-benchmark."""
-TIME_HEAD = ("what", "time", "conditions", "machine")
-FIDELITY_HEAD = (
-    "fidelity", "whole study", f"class as at `{BASELINE}`", f"A's displacement against `{BASELINE}`", "one run",
-    "A's displacement, error", "run-out, error",
-)  # fmt: skip
-CASE_HEAD = ("case", "quantity", "computed", "reference", "error, coarse to fine", "tolerance", "order", "verdict", "cost")
-KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
-VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
-
-
 def _keys(model: type[BaseModel]) -> Reference:
     """The keys of a configuration, without those of all variants, which have a table of their own."""
     shared = {*key_rows(Variants)} if model is not Variants and issubclass(model, Variants) else set()
-    return Reference(KEY_HEAD, [row for row in key_rows(model) if row not in shared])
+    return Reference(("key", "unit", "default", "allowed", "source", "meaning"), [row for row in key_rows(model) if row not in shared])
 
 
 def _variables(columns: Iterable[Variable]) -> Reference:
-    return Reference(VARIABLE_HEAD, list(variable_rows(columns)))
+    rows = [(variable.name, ", ".join(variable.dims), variable.dtype, variable.units, variable.text) for variable in columns]
+    return Reference(("variable", "dimensions", "type", "unit", "meaning"), rows)
 
 
 def _schemes_table() -> Reference:
@@ -505,71 +525,55 @@ def _short(value: Any) -> str:
     )
 
 
-_KINDS = {each.keys: each for each in reversed(EXPERIMENTS.values()) if each.keys}
+SEARCHED = _searched()
+VARIABLES_OF: dict[str, Iterable[Variable]] = {
+    "cost-accuracy": COST_ACCURACY,
+    "assumptions": ASSUMPTIONS,
+    "robustness": ROBUSTNESS,
+    "validation": VALIDATION,
+    "sample": SAMPLE,
+    "morris": MORRIS,
+    "tornado": TORNADO,
+    "sobol": SOBOL,
+    "cross_validation": CROSS_VALIDATION,
+    "confirmation": CONFIRMED,
+    "back": BACK_ANALYSIS,
+    "back_confirmed": (*PREDICTED, *MEASURED),
+    "trigger": critical_columns(SEARCHED),
+    "fragility": fit_columns("m s-2"),
+    "curves": curve_columns("m s-2"),
+    "measures": MEASURE_COLUMNS,
+    "exceedance": exceedance_columns("m s-2"),
+    "widths": width_columns("m s-2"),
+    "spacing": spacing_columns(),
+    "place": place_columns(["road"]),
+    "annual": annual_columns("m s-2"),
+    "points": point_columns(SEARCHED.all),
+    "confirm": confirm_columns(SEARCHED),
+    "cells": cell_columns(SEARCHED),
+    "shares": share_columns(SEARCHED),
+    "preflight": PREFLIGHT,
+}
+"""The columns of tables, by what they are of."""
+KEYS_OF = {each.keys: name for name, each in reversed(EXPERIMENTS.items()) if each.keys}
 """The first experiment of each kind of configuration."""
-TABLES: dict[str, Callable[[], Reference]] = {
+TABLES |= {
     "scene": lambda: _keys(Scene),
     "study": lambda: _keys(AnyStudy),
     "variants_keys": lambda: _keys(Variants),
-    **{f"{each.name}_keys": functools.partial(_keys, keys) for keys, each in _KINDS.items()},
-    "cost-accuracy_variables": lambda: _variables(COST_ACCURACY),
-    "assumptions_variables": lambda: _variables(ASSUMPTIONS),
-    "robustness_variables": lambda: _variables(ROBUSTNESS),
+    **{f"{name}_keys": functools.partial(_keys, keys) for keys, name in KEYS_OF.items()},
+    **{f"{name}_variables": functools.partial(_variables, columns) for name, columns in VARIABLES_OF.items()},
     "failure_rule": lambda: _keys(FailureRule),
-    "validation_variables": lambda: _variables(VALIDATION),
-    "sample_variables": lambda: _variables(SAMPLE),
-    "morris_variables": lambda: _variables(MORRIS),
-    "tornado_variables": lambda: _variables(TORNADO),
-    "sobol_variables": lambda: _variables(SOBOL),
-    "cross_validation_variables": lambda: _variables(CROSS_VALIDATION),
-    "confirmation_variables": lambda: _variables(CONFIRMED),
-    "back_variables": lambda: _variables(BACK_ANALYSIS),
-    "back_confirmed_variables": lambda: _variables((*PREDICTED, *MEASURED)),
-    "trigger_variables": lambda: _variables(critical_columns(_searched())),
-    "fragility_variables": lambda: _variables(fit_columns("m s-2")),
-    "curves_variables": lambda: _variables(curve_columns("m s-2")),
-    "measures_variables": lambda: _variables(MEASURE_COLUMNS),
-    "exceedance_variables": lambda: _variables(exceedance_columns("m s-2")),
-    "widths_variables": lambda: _variables(width_columns("m s-2")),
-    "spacing_variables": lambda: _variables(spacing_columns()),
-    "place_variables": lambda: _variables(place_columns(["road"])),
-    "annual_variables": lambda: _variables(annual_columns("m s-2")),
-    "points_variables": lambda: _variables(point_columns(_searched().all)),
-    "confirm_variables": lambda: _variables(confirm_columns(_searched())),
-    "cells_variables": lambda: _variables(cell_columns(_searched())),
-    "shares_variables": lambda: _variables(share_columns(_searched())),
-    "validation": lambda: Reference(
-        CASE_HEAD, list(case_lines(read_validation(SHIPPED_VALIDATION))), code_words(read_validation(SHIPPED_VALIDATION))
-    ),
-    "assumptions": lambda: _assumptions_table(read_assumptions()),
-    "robustness": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_robustness()))),
-    "outcomes": lambda: Reference(OUTCOME_HEAD, list(outcome_lines(read_robustness()))),
-    "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_robustness()))),
-    "findings": lambda: Reference(("code", "severity", "meaning"), list(finding_lines())),
-    "preflight_variables": lambda: _variables(PREFLIGHT),
     "trajectory": lambda: _variables((*VARIABLES, *OPTIONAL)),
     "metrics": lambda: _variables(VALUES),
     "convergence": lambda: _variables(CONVERGENCE),
-    "claims": lambda: Reference(CLAIM_HEAD, list(claim_lines())),
-    "resolved_claims": lambda: Reference(RESOLVED_CLAIM_HEAD, list(resolved_claim_lines())),
-    "slip_levels": lambda: Reference(SLIP_LEVEL_HEAD, list(slip_level_lines())),
-    "slip_choices": lambda: Reference(SLIP_CHOICE_HEAD, list(slip_choice_lines())),
-    "slow_sine": lambda: Reference(SLOW_SINE_HEAD, list(slow_sine_lines())),
-    "sliding_blocks": lambda: Reference(BLOCK_HEAD, list(spread_rows(read_blocks()))),
-    "block_causes": lambda: Reference(CAUSE_HEAD, list(cause_rows(read_blocks()))),
-    "solid_states": lambda: Reference(SOLID_STATE_HEAD, list(solid_state_lines())),
-    "times": lambda: Reference(TIME_HEAD, list(time_lines())),
-    "fidelities": _fidelities_table,
-    "speed": lambda: Reference(SPEED_HEAD, list(speed_lines())),
-    "origins": lambda: Reference(("table", "solver", "configuration", "version", "renewed by"), list(origin_lines())),
+    "assumptions": _assumptions,
     "trust": lambda: Reference((), [], trust_text()),
-    "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
     "commands": lambda: Reference((), [], commands_text()),
     "schemes": _schemes_table,
-    "cost-accuracy": lambda: measured(VARIANT_HEAD, variant_lines),
-    "resolution": lambda: measured(VARIANT_HEAD, variant_lines, "resolved"),
+    "cost-accuracy": _measured,
+    "resolution": lambda: _measured("resolved"),
 }
-"""The tables by name."""
 MARKED = re.compile(r"(<!-- sph reference ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 """A table that is kept, between its marks: the mark with its name, the name, the mark behind it."""
 PRINTED = re.compile(r"^\*Table: `python -m tools\.reference ([\w-]+)`\*$", re.MULTILINE)
@@ -591,11 +595,6 @@ def table_text(name: str) -> str:
     if name not in TABLES:
         raise ValueError(f"{name}: is no table; must be one of {', '.join(TABLES)}")
     return markdown(TABLES[name]())
-
-
-def _listed_sections(annotation: Any) -> list[type[BaseModel]]:
-    """Sections of which a list holds any number."""
-    return sections(typing.get_args(annotation)[0]) if typing.get_origin(annotation) is tuple else []
 
 
 def _errors(variant: Summary) -> tuple[str, ...]:
@@ -626,18 +625,11 @@ def _allowed(field: FieldInfo) -> str:
                 bounds.append(f"{sign} {getattr(item, attribute):g}")
         if getattr(item, "pattern", None):
             bounds.append("letters, digits, _ . -")
-    choices = _choices(field.annotation)
-    if choices:
-        bounds.append(", ".join(choices))
+    if typing.get_origin(field.annotation) is typing.Literal:
+        bounds.append(", ".join(map(str, typing.get_args(field.annotation))))
     if type(None) in typing.get_args(field.annotation):
         bounds.append("null")
     return ", ".join(bounds) or "-"
-
-
-def _choices(annotation: Any) -> list[str]:
-    if typing.get_origin(annotation) is typing.Literal:
-        return [str(choice) for choice in typing.get_args(annotation)]
-    return []
 
 
 if __name__ == "__main__":

@@ -67,6 +67,6 @@ def test_a_slope_that_does_not_run_out_has_such_a_level_as_well() -> None:
 
 def test_the_lines_hold_every_search() -> None:
     table = read_levels()
-    shown = sum(bool(cell) for line in slip_level_lines() for cell in line[3:])
+    shown = sum(bool(cell) for line in slip_level_lines(table) for cell in line[3:])
     assert shown == table["slip_at_residual"].notna().sum()
-    assert len(list(slip_choice_lines())) == table["slip_at_residual"].isna().sum()
+    assert len(list(slip_choice_lines(table))) == table["slip_at_residual"].isna().sum()
