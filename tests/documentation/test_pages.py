@@ -41,11 +41,6 @@ def test_the_readme_is_read_in_two_minutes() -> None:
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 100
 
 
-def test_ci_runs_the_test_command_of_the_readme() -> None:
-    _, tests, _ = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
-    assert tests in (ROOT / ".ci" / "run").read_text(encoding="utf-8").replace("pip install -q ", "pip install ").splitlines()
-
-
 # ---------------------------------------------------------------- links
 
 
@@ -93,22 +88,6 @@ def broken(page: Path, site: Path = ROOT / "docs") -> list[str]:
 @pages
 def test_links_lead_somewhere(page: Path) -> None:
     assert not broken(page)
-
-
-def test_broken_links_are_seen(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    targets = ["#b", "page.md#b", "b.md", "b.png", "../api/sph/nothing.html"]
-    links = " ".join(f"[a]({target})" for target in ["#a-title-of-x", *targets])
-    page.write_text(f"# A title: of `x`\n{links} `[a](in_code)`\n", encoding="utf-8")
-    assert broken(page) == targets
-
-
-def test_a_link_out_of_the_site_is_seen(tmp_path: Path) -> None:
-    site = tmp_path / "docs"
-    site.mkdir()
-    (tmp_path / "README.md").write_text("[a](docs/page.md)")
-    (site / "page.md").write_text("[a](../README.md) [b](page.md)")
-    assert broken(site / "page.md", site) == ["../README.md"] and not broken(tmp_path / "README.md", site)
 
 
 def test_every_page_is_linked() -> None:
@@ -198,43 +177,6 @@ def snakemake_fault(arguments: list[str]) -> str:
 def test_commands_are_understood(page: Path) -> None:
     faults = {" ".join(words): found for words in commands(page) + mentioned(page) if (found := fault(words))}
     assert not faults
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "sph runs scene.yaml",
-        "sph run scene.yaml --sett a=1",
-        "sph advise --error",
-        "snakemake --cores 2 ladder",
-        "snakemake --coress 2",
-        "snakemake --cores 2 --logger none",
-        "snakemake --profile workflow/profiles/none",
-        "snakemake --configfile config/studies/none.yaml --cores 1",
-        '.venv/bin/pip install -e ".[nothing]"',
-        "python tests/benchmarks/none.py",
-        ".venv/bin/python -m sph.none",
-        "nothing --here",
-    ],
-)
-def test_what_is_not_understood_is_seen(line: str) -> None:
-    assert fault(shlex.split(line))
-
-
-def test_there_are_commands() -> None:
-    programs = Counter(Path(words[0]).name for page in PAGES for words in commands(page))
-    assert programs["sph"] > 15 and programs["snakemake"] > 15
-
-
-NUMERICAL = re.compile(
-    r"(stable|stability|unstable)( time)?[ -]steps?\b|\bsteps?\b[^.\n]{0,40}\b(stable|stability|unstable)\b", re.IGNORECASE
-)
-"""Words of numerical analysis that a slope engineer would read as the stability of a slope."""
-
-
-@pytest.mark.parametrize("page", [*PAGES, *sorted((ROOT / "config").rglob("*.yaml"))], ids=name_of)
-def test_stability_is_that_of_a_slope(page: Path) -> None:
-    assert not [found.group() for found in NUMERICAL.finditer(page.read_text(encoding="utf-8"))]
 
 
 def test_the_table_of_cross_checks_names_the_tests_that_are_marked() -> None:

@@ -1,4 +1,4 @@
-"""Packages of one use: the library works without them, and says which extra is missing where one is needed."""
+"""The library works without packages of one use, and says which extra is missing where one is needed; and without what POSIX alone has."""
 
 from __future__ import annotations
 
@@ -15,9 +15,20 @@ from sph.scene.extras import of_extra
 ROOT = Path(__file__).resolve().parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
 ABSENT = {"SALib": "sensitivity", "sklearn": "sensitivity", "gstools": "uncertainty", "pystrata": "site", "snakemake": "workflow"}
+POSIX = ("fcntl", "grp", "posix", "pty", "pwd", "resource", "syslog", "termios", "tty")
 WITHOUT = f"""
-import importlib, pkgutil, sys
+import builtins, importlib, pkgutil, sys
 
+taken = builtins.__import__
+
+
+def without_posix(name, globals=None, *others, **named):
+    if name in {POSIX} and (globals or {{}}).get("__name__", "").startswith("sph"):
+        raise ImportError(f"{{globals['__name__']}} imports {{name}}")
+    return taken(name, globals, *others, **named)
+
+
+builtins.__import__ = without_posix
 sys.modules |= dict.fromkeys({list(ABSENT)})
 import numpy as np
 import sph

@@ -24,15 +24,14 @@ def pip(*arguments: object) -> None:
     assert result.returncode == 0, result.stderr
 
 
-def built(folder: Path, without: str = "") -> Path:
-    """The wheel of a clean copy, or of one whose pyproject.toml lacks a text."""
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel of a clean copy."""
+    folder = tmp_path_factory.mktemp("wheel")
     source = folder / "source"
     shutil.copytree(ROOT / "sph", source / "sph", ignore=CACHES)
-    for name in ("README.md", "LICENSE"):
+    for name in ("README.md", "LICENSE", "pyproject.toml"):
         shutil.copy(ROOT / name, source)
-    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    assert without in text
-    (source / "pyproject.toml").write_text(text.replace(without, ""), encoding="utf-8")
     pip("wheel", "--no-deps", "--no-build-isolation", "--no-index", "--wheel-dir", folder, source)
     return next(folder.glob("*.whl"))
 
@@ -47,11 +46,6 @@ def wanted() -> set[str]:
     """Files of the package in the repository, but for caches and what documents them for a reader of the repository."""
     paths = (path for path in (ROOT / "sph").rglob("*") if path.is_file() and "__pycache__" not in path.parts)
     return {path.relative_to(ROOT).as_posix() for path in paths if path.name != "README.md"}
-
-
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return built(tmp_path_factory.mktemp("wheel"))
 
 
 @pytest.fixture(scope="module")
@@ -82,11 +76,6 @@ def call(installed: Path, folder: Path, *arguments: str) -> subprocess.Completed
 
 def test_the_wheel_holds_the_package_and_nothing_else(wheel: Path) -> None:
     assert packed(wheel) == wanted()
-
-
-def test_missing_data_would_be_seen(tmp_path: Path) -> None:
-    missing = wanted() - packed(built(tmp_path, without='"sph.experiments" = ["measured/*.csv"]'))
-    assert missing and {Path(name).suffix for name in missing} == {".csv"}
 
 
 def test_it_is_the_installed_package_that_is_tested(installed: Path, elsewhere: Path) -> None:

@@ -442,7 +442,7 @@ def outward(ds: xr.Dataset, made: Scene) -> np.ndarray:
     return np.stack([-moved[:, left].mean(1), moved[:, right].mean(1)], axis=1)
 
 
-@pytest.mark.parametrize("spacing", [4.0, 3.0])
+@pytest.mark.parametrize("spacing", [4.0, pytest.param(3.0, marks=pytest.mark.long)])
 def test_sides_hold_ground_that_yields(spacing: float) -> None:
     # Its horizontal stress rises to the vertical one at most, against sides as stiff as elastic ground beside them, rho V_p omega_1 with
     # omega_1 = pi V_s / 2 D.  Dashpots alone let it push them away for good: after 48 to 64 s it had left the box.

@@ -51,8 +51,10 @@ def at_rest(scene: Scene, low: float, high: float) -> tuple[float, float, float]
 
 # ---------------------------------------------------------------- what level ground keeps
 
+SPACINGS = pytest.mark.parametrize("spacing", [1.0, pytest.param(0.5, marks=pytest.mark.long)])
 
-@pytest.mark.parametrize("spacing", [1.0, 0.5])
+
+@SPACINGS
 @pytest.mark.parametrize(("sides", "ratio"), [("free_slip", 0.45), ("fixed", 1.5)], ids=["rollers", "fixed sides"])
 def test_level_ground_keeps_its_ratio(spacing: float, sides: str, ratio: float) -> None:
     # 1 %; measured: 0.2 and 0.1 % on rollers, 0.7 % between fixed sides.
@@ -63,7 +65,7 @@ def test_level_ground_keeps_its_ratio(spacing: float, sides: str, ratio: float) 
     assert weight == pytest.approx(1.0, rel=0.02)
 
 
-@pytest.mark.parametrize("spacing", [1.0, 0.5])
+@SPACINGS
 @pytest.mark.parametrize("water", [pytest.param(None, id="dry"), pytest.param(WATER, id="wet", marks=pytest.mark.long)])
 def test_each_layer_keeps_its_own_effective_ratio(spacing: float, water: dict[str, Any] | None) -> None:
     scene = level({"soil.K0": 0.6, "layers": CLAY, "numerics.spacing": spacing, "water": water})

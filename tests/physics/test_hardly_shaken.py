@@ -14,6 +14,8 @@ from sph.scene.gravity import GRAVITY
 from sph.scene.schema import make_scene
 from sph.solver.run import run
 
+pytestmark = pytest.mark.long
+
 HARDLY = 0.002 * GRAVITY
 """Amplitude (m/s2): a hundredth of the yield acceleration of a slope with a factor of safety of 1.3 or more."""
 
@@ -68,9 +70,7 @@ def slope(seed: int) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize(
-    ("seed", "rows"), [(1, 8), *(pytest.param(*case, marks=pytest.mark.long) for case in ((0, 8), (0, 20), (3, 20), (5, 8), (10, 20)))]
-)
+@pytest.mark.parametrize(("seed", "rows"), [(1, 8), (0, 8), (0, 20), (3, 20), (5, 8), (10, 20)])
 def test_a_slope_that_stands_well_and_is_hardly_shaken_does_not_move(seed: int, rows: int) -> None:
     # A's permanent displacement, a millimetre at most, at every spacing.
     data = slope(seed)
@@ -82,7 +82,6 @@ def test_a_slope_that_stands_well_and_is_hardly_shaken_does_not_move(seed: int, 
     assert found["displacement_magnitude"] < 1e-3
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("seed", "stiffer", "rows"), [(0, 1.0, 8), (0, 1.0, 12), (0, 0.1, 8), (0, 100.0, 8), (1, 10.0, 8)])
 def test_such_a_slope_that_the_clock_brings_down_has_failed_unshaken(seed: int, stiffer: float, rows: int) -> None:
     """With strength that is lost by time it collapses, whatever its stiffness and the spacing; not by the shaking."""

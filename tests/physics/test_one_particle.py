@@ -74,11 +74,10 @@ def mohr_coulomb_strength(S_R: float) -> np.ndarray:
     return 150e3 * S_R * math.cos(phi) + PRESSURES * math.sin(phi)
 
 
-LAWS = [("elastic_plastic", 0.0), *((law, gamma) for law in ("elastic_plastic", "elastic") for gamma in (1.0, 10.0, 100.0))]
+LAWS = [(law, gamma, 0.1) for law in ("elastic_plastic", "elastic") for gamma in (1.0, 10.0, 100.0)]
 
 
-@pytest.mark.parametrize("S_R", [0.1, 0.5])
-@pytest.mark.parametrize(("law", "gamma"), LAWS)
+@pytest.mark.parametrize(("law", "gamma", "S_R"), [*LAWS, ("elastic_plastic", 0.0, 0.1), ("elastic", 10.0, 0.5)])
 def test_loss_of_strength_in_simple_shear(law: str, gamma: float, S_R: float) -> None:
     # dv_x/dy = 0.05 1/s at constant pressure, after arming (step 10).  Particles fail within a few steps of each other; after t_f the
     # shear stress is tau_f + (tau - tau_f) exp(-gamma (t - t_f)) with t_f the step of failure and tau that of the solid state: tau_s on
@@ -187,8 +186,8 @@ def test_extension_fails_at_the_apex() -> None:
 
 @pytest.mark.parametrize("state", ["elastic", "failed"])
 def test_rigid_rotation_gives_no_stress(state: str) -> None:
-    # Ten turns in steps of 4 mrad.  The midpoint form keeps the norm to rounding and turns the deviator by
-    # 2 atan(a) instead of 2 a: a^2 / 3 of the turn, 10 * 4 pi * 5.3e-6 = 7e-4 rad in all.
+    # Ten turns and an eighth, which shows the sense, in steps of 4 mrad.  The midpoint form keeps the norm to rounding and turns the
+    # deviator by 2 atan(a) instead of 2 a: a^2 / 3 of the turn, 10 * 4 pi * 5.3e-6 = 7e-4 rad in all.
     b = bench(NOT_SOFTENING if state == "failed" else {})
     shear = 120 if state == "failed" else 12
     for step in range(1, shear):
@@ -197,7 +196,7 @@ def test_rigid_rotation_gives_no_stress(state: str) -> None:
     start = b.stress()
     in_plane = start[:, 3] ** 2 + 0.25 * (start[:, 0] - start[:, 1]) ** 2
     assert np.all(in_plane > 1e3**2), "stressed, so that the test means something"
-    angle, steps = 4e-3, round(10 * 2 * math.pi / 4e-3)
+    angle, steps = 4e-3, round(10.125 * 2 * math.pi / 4e-3)
     omega = angle / DT
     for step in range(shear, shear + steps):
         b.strain((0.0, -omega, omega, 0.0), step)
@@ -213,45 +212,3 @@ def test_rigid_rotation_gives_no_stress(state: str) -> None:
         radius = math.hypot(after[3], 0.5 * (after[0] - after[1]))
         assert radius == pytest.approx(deviator, rel=1e-6), "norm kept"
         assert after[2] == pytest.approx(before[2], rel=1e-9)
-
-
-def test_half_a_turn_is_seen() -> None:
-    # A quarter turn swaps sigma_xx and sigma_yy: guards the sense of the test above against a code that never turns.
-    b = bench()
-    for step in range(1, 12):
-        b.strain((0.01, 0.0, 0.0, -0.01), step)
-    before = b.stress()
-    omega = 0.5 * math.pi / (500 * DT)
-    for step in range(12, 512):
-        b.strain((0.0, -omega, omega, 0.0), step)
-    after = b.stress()
-    size = np.abs(before[:, 0] - before[:, 1]).max()
-    np.testing.assert_allclose(after[:, 0], before[:, 1], atol=1e-4 * size)
-    np.testing.assert_allclose(after[:, 1], before[:, 0], atol=1e-4 * size)
-    assert size > 1e5
-
-
-def test_eighth_of_a_turn_has_the_right_sense() -> None:
-    # Turned by +45 degrees (counter-clockwise), a tension along x becomes a positive shear stress.
-    b = bench()
-    for step in range(1, 12):
-        b.strain((0.01, 0.0, 0.0, -0.01), step)
-    radius = 0.5 * (b.stress()[:, 0] - b.stress()[:, 1])
-    omega = 0.25 * math.pi / (500 * DT)
-    for step in range(12, 512):
-        b.strain((0.0, -omega, omega, 0.0), step)
-    np.testing.assert_allclose(b.stress()[:, 3], radius, rtol=1e-4)
-
-
-def test_uniaxial_strain_has_the_p_wave_modulus() -> None:
-    # Small strain e = 1e-4 in y: sigma_yy = M e, sigma_xx = sigma_zz = lambda e, to the size of the strain.
-    b = bench()
-    start = b.stress()
-    for step in range(1, 11):
-        b.strain((0.0, 0.0, 0.0, -0.01), step)
-    change = b.stress() - start
-    K, G = b.terms.soil.bulk_modulus, b.terms.soil.shear_modulus
-    e = 1e-4
-    np.testing.assert_allclose(change[:, 1], -(K + 4 / 3 * G) * e, rtol=1e-3)
-    np.testing.assert_allclose(change[:, 0], -(K - 2 / 3 * G) * e, rtol=1e-3)
-    np.testing.assert_allclose(change[:, 2], -(K - 2 / 3 * G) * e, rtol=1e-3)

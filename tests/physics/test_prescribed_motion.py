@@ -43,7 +43,6 @@ ELEMENT: dict[str, Any] = {
     "probes": {},
 }
 DT, STEPS = 5e-4, 200
-NOT_SOFTENING = {"coupling.gamma": 0.0}
 COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")
 
 
@@ -77,11 +76,9 @@ def test_uniaxial_stretching(rate: float) -> None:
     assert not ds["displacement_y"].values.any()
 
 
-@pytest.mark.parametrize("along", ["xx", "yy"])
-def test_stretching_along_y_is_that_along_x_turned(along: str) -> None:
-    scene, ds = element({along: 0.5})
-    expected = uniaxial(scene, 0.5)
-    np.testing.assert_allclose(stress(ds), expected if along == "xx" else expected[[1, 0, 2, 3]], rtol=1e-6, atol=1e-3)
+def test_stretching_along_y_is_that_along_x_turned() -> None:
+    scene, ds = element({"yy": 0.5})
+    np.testing.assert_allclose(stress(ds), uniaxial(scene, 0.5)[[1, 0, 2, 3]], rtol=1e-6, atol=1e-3)
 
 
 @pytest.mark.parametrize("component", ["xy", "yx"])
@@ -95,25 +92,6 @@ def test_simple_shear(component: str) -> None:
     assert xy == pytest.approx(modulus * math.sin(g), rel=2e-5)
     assert sign * xx == pytest.approx(modulus * (1 - math.cos(g)) - modulus * g * 0.7 * DT / 2, rel=1e-4)
     assert yy == pytest.approx(-xx, rel=1e-6) and abs(zz) < 1e-3
-
-
-def test_a_turn_gives_no_stress() -> None:
-    # The straight step of a turn stretches by (w dt)^2 / 2: after 0.1 s 100 * 2 * w^2 dt^2 / 2, times 2 (K + G / 3) at most.
-    scene, ds = element({"xy": -1.0, "yx": 1.0})
-    stretch = STEPS * DT**2
-    assert np.abs(stress(ds)).max() < 2 * stretch * (scene.soil.bulk_modulus_si + scene.soil.shear_modulus_si)
-
-
-def test_confined_soil_yields_at_its_strength() -> None:
-    # 20 degrees, 5 kPa, 100 kPa: shear at constant volume ends at c cos(phi) + p sin(phi) (s_zz = 0, Eq. 15 of the solid state), 38.9 kPa.
-    confined = {"soil.cohesion": 5.0, "gravity.initial_stress": {"pressure": 100.0}} | NOT_SOFTENING
-    _, ds = element({"xy": 0.7}, confined)
-    phi = math.radians(20)
-    strength = 5e3 * math.cos(phi) + 100e3 * math.sin(phi)
-    xx, yy, zz, xy = stress(ds)
-    assert math.hypot(0.5 * (xx - yy), xy) == pytest.approx(strength, rel=1e-5)
-    assert zz == pytest.approx(-100e3, rel=1e-5)
-    assert ds["failed"].values[-1].all()
 
 
 # ---------------------------------------------------------------- start and energy

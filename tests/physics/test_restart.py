@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from comparison import VARIANTS, same_bits
-from small_scenes import SceneBuilder
+from small_scenes import FEW, SceneBuilder
 
+from sph.scene.configuration import flat
 from sph.solver.run import Result, Run, run
 from sph.solver.terms import TERMS
 from sph.storage import trajectory
@@ -41,7 +42,7 @@ def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, smal
     same_bits(branched, unbranched)
 
 
-@pytest.mark.parametrize("variant", ["default", "all states"])
+@pytest.mark.parametrize("variant", ["default", pytest.param("all states", marks=pytest.mark.long)])
 def test_a_run_that_goes_on_in_the_middle_of_a_collapse_equals_an_uninterrupted_one(
     tmp_path: Path, small_slope: SceneBuilder, variant: str
 ) -> None:
@@ -61,6 +62,21 @@ def test_a_run_that_goes_on_in_the_middle_of_a_collapse_equals_an_uninterrupted_
     assert begun.attrs["step"] < whole.restart.attrs["step"]
     assert variant == "default" or begun["excess_pressure"].values.max() > 0.0, "pore pressure that shaking has raised goes on as well"
     same_bits(run(scene, restart=middle), whole)
+
+
+@pytest.mark.uncompiled
+def test_the_states_of_all_terms_go_on(tmp_path: Path, small_slope: SceneBuilder) -> None:
+    """As above for a few steps, too few for a collapse."""
+    few = {name: value for name, value in flat(FEW).items() if name != "duration"} | {"duration": 0.005}
+    scene, middle = small_slope(VARIANTS["all states"] | few), tmp_path / "middle.nc"
+
+    def keep(result: Callable[[], Result]) -> None:
+        if (state := result()).restart.attrs["step"] == 3:
+            trajectory.write(middle, state.trajectory, state.restart)
+
+    whole = Run(scene).go(checkpoint=keep)
+    same_bits(run(scene, restart=middle), whole)
+    assert all(whole.restart[name].values.any() for name in ("stretch", "intact", "seam_normal"))
 
 
 def test_branches_differ(tmp_path: Path, small_slope: SceneBuilder) -> None:

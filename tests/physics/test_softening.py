@@ -213,7 +213,7 @@ def band(spacing: float) -> Band:
     return Band(scene, data["sample_time"].values, moved - elastic, np.abs(data["probe_velocity_x"].values[:, 0]), dissipated, data)
 
 
-SPACINGS = pytest.mark.parametrize("spacing", [1.0, 0.5, pytest.param(0.25, marks=pytest.mark.long)])
+SPACINGS = pytest.mark.parametrize("spacing", [1.0, *(pytest.param(spacing, marks=pytest.mark.long) for spacing in (0.5, 0.25))])
 
 
 @SPACINGS

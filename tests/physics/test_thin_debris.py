@@ -89,12 +89,12 @@ def test_fewer_rows_flow_too_far(spacing: float, least: float, most: float) -> N
     assert least < mean_displacement(spacing) / exact() < most
 
 
-@pytest.mark.parametrize("spacing", [1.0, 0.5, 0.25])
+@pytest.mark.parametrize("spacing", [1.0, 0.5, pytest.param(0.25, marks=pytest.mark.long)])
 def test_strong_soil_is_a_wall_to_the_debris_on_it(spacing: float) -> None:
     assert mean_displacement(spacing, ground=2.0) == pytest.approx(mean_displacement(spacing), rel=0.01)
 
 
-@pytest.mark.parametrize(("spacing", "share"), [(1.0, 0.36), (0.5, 0.69), (0.25, 0.87)])
+@pytest.mark.parametrize(("spacing", "share"), [(1.0, 0.36), (0.5, 0.69), pytest.param(0.25, 0.87, marks=pytest.mark.long)])
 def test_intact_soil_of_its_own_kind_brakes_the_debris(spacing: float, share: float) -> None:
     """Keeps measured values from drifting: 15, 5 and 3 % were wanted with two, four and eight rows.
 

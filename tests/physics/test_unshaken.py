@@ -27,20 +27,20 @@ def paper(overrides: dict[str, Any]) -> Scene:
 
 def test_weaker_soil_that_yields_under_gravity_does_not_move_less() -> None:
     # At S_R 0.5 the debris stays clear of the front wall (34 m and more at S_R 0.1, whatever the cohesion), so that the order shows.
-    runs = [run(paper({**SLIPPING, "coupling.S_R": 0.5, "soil.cohesion": cohesion})) for cohesion in (150.0, 80.0, 40.0, 10.0, 0.0)]
+    runs = [run(paper({**SLIPPING, "coupling.S_R": 0.5, "soil.cohesion": cohesion})) for cohesion in (150.0, 40.0, 0.0)]
     values = [measure(result.trajectory) for result in runs]
     moved = [float(value["displacement_magnitude"]) for value in values]
     assert np.all(np.diff(moved) > 1.0), moved
-    assert [result.status for result in runs] == ["complete"] * 2 + ["failed_unshaken"] * 3
+    assert [result.status for result in runs] == ["complete"] + ["failed_unshaken"] * 2
     unshaken = [float(value["failed_unshaken"]) for value in values]
-    assert unshaken[:2] == [0.0, 0.0] and np.all(np.diff(unshaken[1:]) > 0.05)
+    assert unshaken[0] == 0.0 and np.all(np.diff(unshaken) > 0.05)
     assert "of the soil yields under gravity alone" in runs[-1].trajectory.attrs["status_reason"]
     # What moves while gravity is brought on is in the table too.
     settled = [float(value["gravity_stage_displacement"]) for value in values]
     assert settled[0] < 0.01 and settled[-1] > 0.3
 
 
-@pytest.mark.parametrize("cohesion", [10.0, 0.0])
+@pytest.mark.parametrize("cohesion", [pytest.param(10.0, marks=pytest.mark.long), 0.0])
 def test_soil_that_yields_under_gravity_loses_its_strength(cohesion: float) -> None:
     # With its full strength kept where it yields, A moved 14 m; with all of it lost, 34 m (S_R 0.1).
     value = measure(run(paper({**SLIPPING, "soil.cohesion": cohesion})).trajectory)

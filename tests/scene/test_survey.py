@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import tempfile
 from pathlib import Path
@@ -104,19 +103,6 @@ def test_points_in_space_are_unrolled_along_the_line(tmp_path: Path) -> None:
 def test_a_broken_file_says_where_and_what_is_expected(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         read(tmp_path, text)
-
-
-X = ["x", "chainage (m)", "Station", "distance", "Distance along section (m)"]
-ELEVATION = ["elevation", "z (m)", "y", "level", "Höhe (m)", "elev (m a.s.l.)"]
-
-
-@pytest.mark.parametrize("x", X)
-def test_names_decide_which_column_is_the_elevation(tmp_path: Path, x: str) -> None:
-    orders = [(0, 1, 2), (1, 0, 2), (2, 1, 0), (2, 0, 1), (0, 1), (1, 0)]
-    for elevation, order, mark in itertools.product(ELEVATION, orders, ",;\t"):
-        rows = [[x, elevation, ""], *([str(a), str(b), str(at)] for at, (a, b) in enumerate(LINE))]
-        text = "\n".join(mark.join(row[place] for place in order) for row in rows)
-        assert read(tmp_path, text) == LINE, text
 
 
 def test_names_in_a_comment_swap_the_columns(tmp_path: Path) -> None:

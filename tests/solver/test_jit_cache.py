@@ -98,141 +98,6 @@ def test_cache_folder_follows_the_environment(tmp_path: Path, name: str, relativ
     assert [path.name for path in tmp_path.iterdir()] == ["place"]
 
 
-# ---------------------------------------------------------------- the race
-
-WORKER = """
-import fcntl, hashlib, json, os, sys, time
-from pathlib import Path
-from numba.core import caching
-
-role, scene_json = sys.argv[1:]  # "first" or "second" to compile, "load"
-outside = []
-
-from sph.solver.terms import active_terms
-from sph.scene.schema import make_scene
-from sph.solver.run import Run
-
-meetings = Path(os.environ["SPH_CACHE_DIR"])
-met = None
-
-
-def lock_is_free(folder):
-    with open(folder / "lock", "w") as handle:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            return False
-        return True
-
-
-def meet(name):
-    # Wait until the other process saves the same function; with a lock it never comes, and the wait is given up.
-    global met
-    if met is False:
-        return
-    own, other = (meetings / f"{name}.{who}" for who in (("first", "second") if role == "first" else ("second", "first")))
-    own.touch()
-    end = time.time() + (3.0 if met is None else 1.0)
-    while not other.exists() and time.time() < end:
-        time.sleep(0.002)
-    met = bool(met) or other.exists()
-    if not met:
-        own.unlink()
-
-
-def save(self, key, data):
-    # numba's own steps, in the order that hurts: both read the index, the second's index is the last, the
-    # first's data are the last.
-    name = self._index_name.split("-")[0]
-    if lock_is_free(Path(self._index_path).parents[1]):
-        outside.append(name)
-    meet(name)
-    overloads = self._load_index()
-    data_name = overloads.get(key)
-    if data_name is None:
-        data_name = next(n for n in map(self._data_name, range(1, 99)) if n not in set(overloads.values()))
-        overloads[key] = data_name
-        time.sleep(0.15 if met and role == "second" else 0.05 if met else 0.0)
-        self._save_index(overloads)
-    time.sleep(0.2 if met and role == "first" else 0.0)
-    self._save_data(data_name, data)
-    time.sleep(0.1 if met and role == "second" else 0.0)
-
-
-if role != "load":
-    caching.IndexDataCacheFile.save = save
-
-run = Run(make_scene(json.loads(scene_json)))
-result = run.go()
-digest = hashlib.sha256()
-for name in ("x", "y", "velocity_x", "velocity_y", "stress_xx", "stress_xy", "density", "elastic_energy"):
-    digest.update(result.trajectory[name].values.tobytes())
-print(json.dumps({
-    "asked": result.trajectory.attrs["active_terms"].split(),
-    "compiled": [bool(t) for t in active_terms(run.simulation.terms)],
-    "digest": digest.hexdigest(),
-    "saved outside the lock": sorted(set(outside)),
-}))
-"""
-
-
-def start(scene: dict[str, Any], role: str, cache: Path) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-c", WORKER, role, json.dumps(scene)],
-        env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(cache)),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def outcome(process: subprocess.Popen[str]) -> dict[str, Any]:
-    out, error = process.communicate(timeout=300)
-    assert process.returncode == 0, error
-    return json.loads(out.splitlines()[-1])
-
-
-@pytest.fixture(scope="module")
-def race(tmp_path_factory: pytest.TempPathFactory, free_block: Callable[..., Any]) -> list[dict[str, Any]]:
-    """Two variants compiled at the same time into one fresh cache, then both loaded from it.
-
-    Without the lock of ``sph.solver.compiled.jit.compile_lock`` the order forced in ``save`` breaks the loading processes.
-    """
-    cache = tmp_path_factory.mktemp("cache")
-    bare = {
-        "duration": 0.02,
-        "geometry": {"shape": "block", "width": 4.0, "height": 4.0},
-        "gravity.acceleration": 9.81,
-        "damping": None,
-        "numerics.artificial_viscosity": None,
-        "numerics.short_range_repulsion": None,
-    }
-    scenes = [free_block(bare | {"numerics.kernel": kernel}).model_dump(mode="json") for kernel in ("cubic_spline", "wendland_c2")]
-    compiling = [start(scene, role, cache) for scene, role in zip(scenes, ("first", "second"), strict=True)]
-    found = [outcome(process) for process in compiling]
-    loading = [start(scene, "load", cache) for scene in scenes]
-    return found + [outcome(process) for process in loading]
-
-
-@pytest.mark.long
-def test_each_process_gets_the_variant_it_asked_for(race: list[dict[str, Any]]) -> None:
-    cubic, wendland, cubic_loaded, wendland_loaded = race
-    assert cubic["compiled"] == cubic_loaded["compiled"]
-    assert not cubic_loaded["compiled"][0], "Wendland code where the cubic spline was asked for"
-    assert wendland_loaded["compiled"][0], "cubic spline code where Wendland was asked for"
-    assert "wendland_c2" in wendland_loaded["asked"]
-    # Code from the cache does what the code compiled in the process's own memory did, bit for bit.
-    assert cubic_loaded["digest"] == cubic["digest"]
-    assert wendland_loaded["digest"] == wendland["digest"]
-    assert cubic["digest"] != wendland["digest"]
-
-
-@pytest.mark.long
-def test_nothing_is_saved_to_the_cache_outside_the_lock(race: list[dict[str, Any]]) -> None:
-    for process in race[:2]:
-        assert process["saved outside the lock"] == []
-
-
 # ---------------------------------------------------------------- compiled here, or loaded
 
 
@@ -255,36 +120,35 @@ class Cached(NamedTuple):
 
     cache: Path
     scene: str
-    digest: str
 
-    def run(self) -> tuple[str, str]:
-        """How many variants of ``advance`` a process compiled, and the digest of its result."""
-        done = subprocess.run(
+    def start(self) -> subprocess.Popen[str]:
+        """A process that runs the scene."""
+        return subprocess.Popen(
             [sys.executable, "-c", DIGEST, self.scene],
             env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(self.cache)),
-            capture_output=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
             text=True,
         )
-        assert done.returncode == 0, done.stderr
-        compiled, digest = done.stdout.split()
-        assert done.stderr.count("test: compiling the solver") == int(compiled), "compiling is said before it is done, once"
-        return compiled, digest
 
 
-@pytest.fixture(scope="module")
-def cached(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[..., Any]) -> Cached:
-    """All terms of the default scene, compiled."""
-    scene = json.dumps(small_slope({"duration": 1.2}).model_dump(mode="json"))
-    first = Cached(tmp_path_factory.mktemp("cache"), scene, "")
-    compiled, digest = first.run()
-    assert compiled == "1", "the first must compile for the tests to mean something"
-    return first._replace(digest=digest)
+def outcome(process: subprocess.Popen[str]) -> tuple[str, str]:
+    """How many variants of ``advance`` a process compiled, and the digest of its result."""
+    out, error = process.communicate(timeout=300)
+    assert process.returncode == 0, error
+    compiled, digest = out.split()
+    assert error.count("test: compiling the solver") == int(compiled), "compiling is said before it is done, once"
+    return compiled, digest
 
 
 @pytest.mark.long
-def test_compiled_and_loaded_code_give_the_same_bits(cached: Cached) -> None:
-    """The first process on a machine compiles, the others of a study load."""
-    assert cached.run() == ("0", cached.digest)
+def test_processes_that_start_at_once_compile_once_and_have_the_same_bits(tmp_path: Path, small_slope: Callable[..., Any]) -> None:
+    """The first process on a machine compiles all terms of the default scene, the others wait and load; so do those of later."""
+    cached = Cached(tmp_path, json.dumps(small_slope({"duration": 1.2}).model_dump(mode="json")))
+    found = [outcome(process) for process in [cached.start(), cached.start()]]
+    found.append(outcome(cached.start()))
+    assert sorted(compiled for compiled, _ in found) == ["0", "0", "1"] and found[2][0] == "0"
+    assert len({digest for _, digest in found}) == 1
 
 
 # ---------------------------------------------------------------- the folder

@@ -16,8 +16,7 @@ from sph.command.cli import app
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.variants.figures_robustness import REFUSED
-from sph.experiments.variants.schema import TIME_STEP, CostAccuracy
-from sph.scene.configuration import Section
+from sph.experiments.variants.schema import TIME_STEP
 from sph.scene.schema import Scene, load_scene
 from sph.storage.trajectory import VARIABLES
 from sph.study.tables import VALUES
@@ -108,14 +107,6 @@ def test_commands_are_those_of_the_command_line() -> None:
     told = CliRunner().invoke(app, ["run", "--help"]).output
     options = re.findall(r"^\* `(--[\w-]+)(?= KEY=VALUE| SECONDS| <|`)", run, re.MULTILINE)
     assert {"--set", "--checkpoint", "--overwrite"} <= set(options) and all(option in told for option in options)
-
-
-@pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (AnyStudy, 25), (CostAccuracy, 15)])
-def test_every_key_says_what_it_is(model: type[Section], keys: int) -> None:
-    rows = list(key_rows(model))
-    assert len(rows) > keys
-    assert all(unit and source and text for _, unit, _, _, source, text in rows)
-    assert len({row[0] for row in rows}) == len(rows)
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config" / "scenes").glob("**/*.yaml")), ids=lambda p: p.stem)

@@ -29,7 +29,11 @@ CASES = {
     "cases": [{"S_R": "0.10", "coupling.fluid_tension_limit": None}, {"S_R": "0.10", "coupling.fluid_tension_limit": 0}],
     "figures": {"runs": ["case-000002"]},
 }
-SAMPLE = {"study": "sample", "sample": {"size": 2, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [10, 200], "scale": "log"}}}}
+SAMPLE = {
+    "study": "sample",
+    "searches": "none",
+    "sample": {"size": 2, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [10, 200], "scale": "log"}}},
+}
 ONCE = {"all": 1, "check": 1, "preflight": 1, "figure": 5, "study_figure": 2, "measure": 1, "study": 1, "page": 1}
 
 
@@ -49,7 +53,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     jobs = {
         "grid": {"stage": 6, "search": 2, "simulate": 4},
         "cases": {"stage": 2, "search": 1, "simulate": 2, "study_figure": 1},  # no map where one dimension alone varies
-        "sample": {"stage": 4, "search": 2, "simulate": 2},
+        "sample": {"stage": 4, "simulate": 2},
     }
     for study in (GRID, CASES, SAMPLE):
         config = configured(folder, study)
@@ -172,7 +176,7 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
 def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
     larger = SAMPLE | {"sample": SAMPLE["sample"] | {"size": 3}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, larger))
-    assert (jobs["stage"], jobs["search"], jobs["simulate"], jobs["measure"]) == (2, 1, 1, 1)
+    assert (jobs["stage"], jobs["simulate"], jobs["measure"]) == (2, 1, 1)
     wider = GRID | {"grid": GRID["grid"] | {"motion.frequency": ["1.0", "2.0", "3.0"]}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, wider))
     assert (jobs["stage"], jobs["simulate"]) == (2, 2)

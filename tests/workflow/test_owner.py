@@ -15,7 +15,7 @@ from sph.study.plan import OWNER, claim_results, load_study
 
 
 def study(scene: str, **changes: Any) -> dict[str, Any]:
-    return {"study": "ground", "scene": scene, "fidelity": "own", "fidelities": {"own": {}}, "grid": {"S_R": ["0.5"]}} | changes
+    return {"study": "ground", "scene": scene, "grid": {"S_R": ["0.5"]}, "searches": "none"} | changes
 
 
 @pytest.fixture
@@ -23,8 +23,7 @@ def folder(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Pa
     """Working folder with the scenes of two people."""
     for name, angle in (("a", 60.0), ("b", 45.0)):
         (tmp_path / name).mkdir()
-        numerics = {"numerics.spacing": 2.5, "numerics.smoothing_ratio": 1.3, "numerics.time_step": 5e-4}
-        scene = small_slope({"geometry.slope_angle": angle, "walls.sides": "free_slip", "walls.layers": 4, **numerics})
+        scene = small_slope({"geometry.slope_angle": angle})
         (tmp_path / name / "scene.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
         (tmp_path / name / "study.yaml").write_text(yaml.safe_dump(study(f"{name}/scene.yaml")))
     return tmp_path

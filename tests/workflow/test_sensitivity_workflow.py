@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
-from test_workflow import ROOT, planned_jobs, snakemake, write_config
+from test_workflow import planned_jobs, snakemake, write_config
 
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import SOBOL
@@ -59,11 +59,6 @@ def analysed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     result = snakemake(folder, "--cores", "2", *config, "--", "sensitivity")
     assert result.returncode == 0, result.stderr
     return folder
-
-
-def test_the_shipped_analysis_is_planned() -> None:
-    jobs = planned_jobs(ROOT, "--config", "fidelity=draft", "--forceall", "--", "sensitivity")
-    assert jobs["simulate"] > 100 and jobs["sensitivity_factors"] == 1 and "stage" not in jobs
 
 
 def test_tables_and_figures(analysed: Path) -> None:

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
-from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
+from test_workflow import STUDY, planned_jobs, snakemake, write_config
 
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import BRACKETED, confirm_columns, critical_columns, read_critical
@@ -77,16 +77,6 @@ def searched(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     result = snakemake(folder, "--cores", "2", *write(folder), *TARGETS)
     assert result.returncode == 0, result.stderr
     return folder
-
-
-def test_the_shipped_searches_are_planned() -> None:
-    jobs = planned_jobs(ROOT, "--forceall", "--", *TARGETS)
-    assert (
-        jobs["want_points"] == jobs["measure_points"] == 8
-        and jobs["search"] == 2
-        and (jobs["map_figure"], jobs["map_figure_shares"]) == (4, 1)
-    )
-    assert "study" not in jobs
 
 
 def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> None:

@@ -47,6 +47,7 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
     return folder / "results"
 
 
+@pytest.mark.long
 def test_all_cases_are_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", "validation", "assumptions")
     assert jobs["validation_case"] == len(CASES) and jobs["validation_run"] > 200 and "stage" not in jobs
