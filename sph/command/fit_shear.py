@@ -12,7 +12,7 @@ import yaml
 
 from sph.command.new import WIDTH
 from sph.command.outputs import check_picture
-from sph.command.shear_test import LEVEL, SAME, SHAPES, STEADY, Bounded, Loss, ShearTest, Strength, fit_loss, read_tests, strength
+from sph.command.shear_test import CURVES, LEVEL, SAME, STEADY, Bounded, Loss, ShearTest, Strength, fit_loss, read_tests, strength
 from sph.command.terminal import aligned, say, table
 from sph.scene.configuration import flat, validated
 from sph.scene.soil import Softening, Soil
@@ -40,7 +40,7 @@ def fit_shear(paths: Sequence[Path], normal: Sequence[float] | None, height: flo
             f"{without[0]}: without a normal stress; of several tests give that of each, as a column, normal stress (kPa), or with "
             "--normal-stress 50,100,200 in the order of the files"
         )
-    losses = sorted((fit_loss(tests, shape) for shape in SHAPES), key=lambda each: each.misfit)
+    losses = sorted((fit_loss(tests, shape) for shape in CURVES), key=lambda each: each.misfit)
     strengths = None if without else [strength(normals(tests), stresses) for stresses in both(tests)]
     made = keys(tests, strengths, losses[0])
     width = None if height is None else float(f"{WIDTH * height:.2g}")
@@ -157,12 +157,14 @@ def bounded(number: Bounded) -> str:
 
 def written(made: dict[str, Any], strengths: Sequence[Strength] | None, losses: Sequence[Loss], width: float | None) -> str:
     """The keys as YAML to paste, with what they come from."""
-    softening = made["coupling"]["softening"]
+    softening, best = made["coupling"]["softening"], losses[0]
+    others = "".join(f", {each.shape} {each.misfit:.2f} kPa" for each in losses[1:])
+    left = float(best.weight(np.array([best.slip_at_residual]))[0])
     about = {
         "coupling.S_R": "residual over peak strength",
         "coupling.softening.slip_at_peak": "m",
-        "coupling.softening.slip_at_residual": "m; 5 % of the loss still to come" if losses[0].shape == "exponential" else "m",
-        "coupling.softening.shape": f"misfit {losses[0].misfit:.2f} kPa, {losses[1].shape} {losses[1].misfit:.2f} kPa",
+        "coupling.softening.slip_at_residual": f"m; {100.0 * left:.0f} % of the loss still to come" if left > 0.0 else "m",
+        "coupling.softening.shape": f"misfit {best.misfit:.2f} kPa{others}",
         "coupling.softening.width": f"m, {WIDTH} of the slope's height; no test gives it, at least three spacings",
     }
     for name, number in zip(SOIL, [] if strengths is None else [each for found in strengths for each in found], strict=False):

@@ -8,7 +8,7 @@ begins to fall and is lost (``coupling.softening``), which are fitted to the str
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,7 +46,20 @@ MIN_AFTER = 4
 """Fewest points after the peak."""
 LEVEL = 0.95
 """Level of confidence of the bounds."""
-SHAPES = ("linear", "exponential")
+
+
+class Curve(NamedTuple):
+    """A curve of strength against slip, as a law of ``sph.solver.physics.loss_by_slip`` has it for one particle."""
+
+    weight: Callable[[np.ndarray], np.ndarray]  # (n,) of the peak strength, by the passed share (n,) of the slip from peak to residual
+    D_95: float  # that share at which 5 % of the loss is still to come
+
+
+CURVES = {
+    "linear": Curve(lambda passed: np.maximum(1.0 - passed, 0.0), 1.0 - STEADY),
+    "exponential": Curve(lambda passed: np.exp(-3.0 * passed), math.log(1.0 / STEADY) / 3.0),
+}
+"""The curves that are fitted, by the name that scenes give them (``coupling.softening.shape``)."""
 
 
 class ShearTest(NamedTuple):
@@ -266,14 +279,11 @@ class Loss(NamedTuple):
     @property
     def D_95(self) -> float:
         """Slip at which 5 % of the loss is still to come, m."""
-        share = 1.0 - STEADY if self.shape == "linear" else math.log(1.0 / STEADY) / 3.0
-        return self.slip_at_peak + share * (self.slip_at_residual - self.slip_at_peak)
+        return self.slip_at_peak + CURVES[self.shape].D_95 * (self.slip_at_residual - self.slip_at_peak)
 
 
 def _weight(shape: str, slip: np.ndarray, peak: float, span: float) -> np.ndarray:
-    passed = np.maximum(slip - peak, 0.0) / span
-    weight: np.ndarray = np.maximum(1.0 - passed, 0.0) if shape == "linear" else np.exp(-3.0 * passed)
-    return weight
+    return CURVES[shape].weight(np.maximum(slip - peak, 0.0) / span)
 
 
 def fit_loss(tests: Sequence[ShearTest], shape: str) -> Loss:
