@@ -5,6 +5,7 @@ What takes runs of the scene, its stability, is in ``sph.study.preflight``.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -19,6 +20,7 @@ from sph.scene.ground_line import GroundLine, largest_climb
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.loading import loading_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
+from sph.scene.places import ABOVE, shifted
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.scene.walls import wall_words
@@ -26,7 +28,7 @@ from sph.scene.water import standing_water
 from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
-from sph.stability.standing import dividing
+from sph.stability.extrapolation import at_spacing
 
 MIN_IN_HEIGHT = 12
 """Fewest particles across a slope's height: with 10 and 15 the cost-accuracy studies have right classes, run-outs up to 40 and 36 % off."""
@@ -219,7 +221,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + of_rest(scene, particles)
         + of_layers(scene, particles)
         + [each for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True) for each in _waves(scene, name, soil)]
-        + (_slope(scene, scene.geometry) + of_rows(scene, particles) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
+        + (_slope(scene, scene.geometry) + of_rows(scene) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
         + of_softening(scene)
         + of_loss(scene)
@@ -312,18 +314,15 @@ def room_ahead(scene: Scene) -> float:
     return max(ROOM_AHEAD * height, reach(scene) - (geometry.crest[0] - geometry.toe[0]) + height)
 
 
-def height_error(scene: Scene, particles: Particles) -> float:
+def height_error(scene: Scene) -> float:
     """How much higher the rows of particles make the slope than it is, over its height H: the mean over the columns within H behind the
     crest less that over those within H before the toe; 0 where one of them is not level, since steps of rows then average out."""
     geometry, dx = scene.geometry, scene.numerics.spacing
     assert isinstance(geometry, (Slope, GroundLine))
     height, (toe_x, _), (crest_x, _) = geometry.slope_height, geometry.toe, geometry.crest
-    x, y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
-    column = np.round(x / dx - 0.5).astype(int)
-    top = np.zeros(scene.lattice[0])  # of a column without soil the base
-    np.maximum.at(top, column, y + 0.5 * dx)
-    place = (np.arange(top.size) + 0.5 + scene.numerics.lattice_shift) * dx
+    place, _ = shifted((np.arange(scene.lattice[0]) + 0.5) * dx, np.zeros(()), dx, scene.numerics.lattice_shift)
     ground = geometry.ground(place)
+    top = dx * np.maximum(np.ceil(ground / dx - 0.5 - ABOVE), 0.0)  # of the soil that ``place_particles`` puts there
     ends = (crest_x + dx < place) & (place < crest_x + height), (toe_x - height < place) & (place < toe_x - dx)
     if any(not there.any() or np.ptp(ground[there]) > LEVEL * dx for there in ends):
         return 0.0
@@ -331,14 +330,16 @@ def height_error(scene: Scene, particles: Particles) -> float:
     return (behind - before) / height
 
 
-def of_rows(scene: Scene, particles: Particles) -> list[Finding]:
-    """A warning if whole rows of particles do not make the height of the slope."""
-    geometry, dx = scene.geometry, scene.numerics.spacing
-    assert isinstance(geometry, (Slope, GroundLine))
-    height, error = geometry.slope_height, height_error(scene, particles)
+def of_rows(scene: Scene) -> list[Finding]:
+    """A warning if whole rows of particles do not make the height of the slope, with the largest smaller spacing that divides the height
+    and whose rows do: where the ground behind the crest is not quite level, not every such spacing does."""
+    assert isinstance(scene.geometry, (Slope, GroundLine))
+    height, error, dx = scene.geometry.slope_height, height_error(scene), scene.numerics.spacing
     if abs(error) <= MAX_HEIGHT_ERROR:
         return []
-    return [finding("rows-misfit", "numerics.spacing", value=(1.0 + error) * height, bound=height, spacing=dividing(dx, height))]
+    finer = (height / rows for rows in itertools.count(math.floor(height / dx * (1.0 + 1e-9)) + 1))
+    fitting = next(each for each in finer if abs(height_error(at_spacing(scene, each))) <= MAX_HEIGHT_ERROR)
+    return [finding("rows-misfit", "numerics.spacing", value=(1.0 + error) * height, bound=height, spacing=fitting)]
 
 
 def thin_box(scene: Scene) -> list[Finding]:

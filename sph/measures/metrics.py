@@ -219,8 +219,9 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "energy_line_angle",
         "degree",
-        "friction angle that the soil of the front keeps after failure, lessened by its ratio r_u: mean of the tangents over the mass that "
-        "the run-out counts; NaN if there is no front or that soil keeps no friction",
+        "apparent friction angle of the soil of the front: tangent of the effective angle that it keeps after failure (mean over the mass "
+        "that the run-out counts) times 1 - r_u at the base of that mass, of the initial pore pressure and its largest rise; NaN if there "
+        "is no front or no friction is left",
     ),
     _number(
         "energy_line_runout",

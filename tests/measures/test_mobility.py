@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+import numpy as np
 import pytest
+from synthetic import synthetic
 
-from sph.measures.mobility import line_runout
+from sph.measures.mobility import line_runout, residual_tangent
 from sph.scene.ground_line import GroundLine
 
 
@@ -24,3 +27,27 @@ def test_a_line_ends_where_it_first_meets_the_ground() -> None:
     assert line_runout(bank, 0.25) == pytest.approx(20.0 - 48.0 / 4.25), (
         "it meets the far bank, 4 (12 m - x), where that is as high as x / 4"
     )
+
+
+def test_water_at_the_base_of_the_mass_flattens_the_energy_line() -> None:
+    """By hand, for ten columns behind the crest down to the toe's level: tan of the residual angle times 1 - u / (rho g 25 m)."""
+
+    def tangent(rise: float = 0.0, **water: Any) -> float:
+        run = synthetic(overrides={"water": {"pressure": "by_place", **water}} if water else {})
+        (crest, _), (_, toe) = run.scene.geometry.crest, run.scene.geometry.toe
+        x, y = (run[name][run.soil] for name in ("x0", "y0"))
+        if rise:
+            ratio = np.zeros(run["x"].shape)
+            ratio[3] = rise  # of one frame: what counts is the largest
+            run.trajectory["pore_pressure_ratio"] = run.trajectory["x"].dims, ratio
+        return residual_tangent(run, (crest < x) & (x < crest + 10.0) & (y > toe))
+
+    scene = synthetic().scene
+    toe, dry = scene.geometry.toe[1], math.tan(math.radians(scene.materials[0].residual[1]))
+    weight = scene.soil.density * scene.gravity.acceleration * 25.0
+    wet = 1.0 - 9810.0 * 8.0 / weight
+    assert tangent() == pytest.approx(dry) and tangent(level=toe - 1.0) == pytest.approx(dry)
+    assert tangent(r_u=0.3) == pytest.approx(0.7 * dry)
+    assert tangent(level=toe + 8.0) == pytest.approx(wet * dry, rel=1e-6)
+    assert tangent(level=toe + 40.0) == pytest.approx(dry), "all of it under standing water"
+    assert tangent(level=toe + 8.0, rise=0.6) == pytest.approx(0.4 * wet * dry, rel=1e-6)
