@@ -10,6 +10,7 @@ from sph.page.paper import sections_of
 from sph.page.sections import certain
 from sph.experiments.registry import load_study
 from sph.study.plan import claim_results
+from sph.study.preflight import look_first
 from sph.study.sampling import chosen_study, keys_of
 from sph.jobs.catalogue import Catalogue
 from sph.scene.configuration import check_files
@@ -54,6 +55,11 @@ onstart:
     if workflow.is_main_process:
         claim_results(PLAN)
         CATALOGUE.write()
+        if any(job.rule.name == "check" for job in workflow.dag.needrun_jobs()):
+            look_first(
+                {name: run.built for name, run in looked_at().items()},
+                PLAN.study.on_error == "stop",
+            )
         for figure, reason in PLAN.study.left_out.items():
             print(f"{figure} is left out: {reason}", file=sys.stderr)
 

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 from sph.command.status import Stand, State, look_at
 from sph.command.study import find_study
 from sph.jobs.ahead import AT_ONCE, TOGETHER
-from sph.jobs.known_errors import CHECKED
 from sph.scene.configuration import merge
 from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
@@ -44,8 +43,8 @@ MIB = 2.0**20
 TABLES, TABLES_A_RUN = 18.0, 0.1
 """Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
 
-PREFLIGHT_FILE = "preflight.csv"
-"""What the preflight of a study writes, after ``CHECKED``."""
+CHECKED, PREFLIGHT_FILE = "checked.csv", "preflight.csv"
+"""What the static tests of a study write, and the searches for limits of its slopes after them."""
 
 
 class Speed(NamedTuple):
@@ -127,7 +126,7 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     longest = max((part for state, part in found if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
     runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
-    left = sum(waits) + limits_left + after * bool(waits)
+    left = sum(waits) + test_left + limits_left + after * bool(waits)
     # One stage after another, however many cores there are; the searches beside them.
     stages = of_card.left if of_card else sum(slowest.values())
     memory = (at_once - 1) * longest.memory + max(part.memory for _, part in found)
@@ -143,9 +142,8 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         longest.seconds / known.value,
         sum(part.seconds for state, part in found if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
         sum(times) + sum(checks.values()) + after,
-        test_left + left,
-        # The tests first, alone.
-        test_left + max(left / cores, max(stages, search, limits_left) + after * bool(waits) / min(cores, 8)),
+        left,
+        max(left / cores, max(stages, search, test_left + limits_left) + after * bool(waits) / min(cores, 8)),
         cores,
         memory,
         sum(part.disk for _, part in found),

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from sph.command.status import REFRESH, Stand, State, look_at
+from sph.command.status import REFRESH, Stand, State, look_at, look_beside
 from sph.command.study import find_study
 from sph.experiments.study_row import run_values
 from sph.jobs.ahead import finished
@@ -109,9 +109,11 @@ def page(given: Path | None, configfile: Path | None, watching: bool, say: Calla
     if not watching:
         written = [each.said for each in pages if each.renew(growing=False)]
         if not written:
-            raise ValueError(
-                f"{pages[-1].folder}: no run is done yet; start the study with snakemake, and add --watch to wait for its runs"
-            )
+            at_work = [other.job for other in look_beside(plan, catalogue.base) if other.state == Stand.RUNNING] + [
+                state.job.run.id for state in look_at(plan.jobs, catalogue.base) if state.state == Stand.RUNNING
+            ]
+            started = f"at work: {', '.join(at_work)}" if at_work else "start the study with snakemake"
+            raise ValueError(f"{pages[-1].folder}: no run is done yet; {started}, and add --watch to wait for its runs")
         return "\n".join(written)
     say(f"waiting for runs in {' and '.join(each.folder for each in pages)}; end with Ctrl-C")
     while True:

@@ -5,7 +5,8 @@ Snakemake counts its steps in its own terminal; what a run has simulated, what f
 A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
 Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
 with a reason, *stopped* when it was killed (it continues from its checkpoint), else *waiting*.  Whether edited sources ask for a
-rerun is for ``snakemake -n`` to say.  Targets beside the study count once they have been started (``sph.jobs.catalogue``).
+rerun is for ``snakemake -n`` to say.  What goes on beside the simulations, as tests of the slopes, figures and page, is named while its
+process runs and where it has failed.  Targets beside the study count once they have been started (``sph.jobs.catalogue``).
 
 The time left is that which finished jobs of the kind took by their benchmarks (runs: those that share their shaking up to the first
 failure, else all, else the gravity stage's time a simulated second), and what running ones say themselves, over the number at work.
@@ -50,6 +51,8 @@ TITLES = {
     Kind.SEARCH: "yield acceleration",
 }
 """The kinds in words."""
+BESIDE = {"check": "static tests of the slopes", "preflight": "searches for limits of the slopes"}
+"""Jobs beside the simulations, by their logs, whose names do not say what they do."""
 
 
 class Stand(StrEnum):
@@ -100,10 +103,11 @@ def status(given: Path | None, configfile: Path | None, watching: bool, as_json:
         return look_at([*catalogue.plan.jobs, *catalogue.started], catalogue.base)
 
     if watching and not as_json:
-        watch(catalogue.plan, look_again)
+        watch(catalogue.plan, look_again, catalogue.base)
         return None
     states = look_again()
-    return to_json(record(catalogue.plan, states), indent=1) if as_json else "\n".join(lines(catalogue.plan, states))
+    told = catalogue.plan, states, look_beside(catalogue.plan, catalogue.base)
+    return to_json(record(*told), indent=1) if as_json else "\n".join(lines(*told))
 
 
 def look_at(runs: Sequence[PlannedRun], base: Path) -> list[State]:
@@ -137,6 +141,26 @@ def look(job: Job, base: Path) -> State:
         if any(beside(path, role).exists() for role in ("run", "checkpoint")):
             return State(job, Stand.STOPPED, time=time)
     return State(job, Stand.WAITING)
+
+
+class Beside(NamedTuple):
+    """A job beside the simulations that is at work or has failed."""
+
+    job: str
+    state: Stand
+    note: str  # what it does, where its name does not say that, or why it failed
+
+
+def look_beside(plan: Plan, base: Path) -> list[Beside]:
+    """The jobs of a study beside its simulations that are at work or have failed, by their logs."""
+    own, found = {base / run.log for run in plan.jobs}, []
+    for path in sorted((base / plan.folder / "logs").glob("*.log")):
+        log = read_log(path) if path not in own else None
+        if log and log.reason is not None:
+            found.append(Beside(path.stem, Stand.FAILED, log.reason))
+        elif log and log.process and log.process.alive(log.age):
+            found.append(Beside(path.stem, Stand.RUNNING, BESIDE.get(path.stem, "")))
+    return found
 
 
 def _trials(path: Path) -> int:
@@ -202,7 +226,7 @@ def _time_of_one(states: Sequence[State]) -> float:
     return math.fsum(known) / made if known else math.nan
 
 
-def lines(plan: Plan, states: Sequence[State]) -> list[str]:
+def lines(plan: Plan, states: Sequence[State], beside: Sequence[Beside]) -> list[str]:
     """The overview in words."""
     titles = dict.fromkeys(state.job.title for state in states)
     width = max(map(len, titles))
@@ -217,7 +241,8 @@ def lines(plan: Plan, states: Sequence[State]) -> list[str]:
     for name in list(Stand)[1:5]:
         told = [_line(state) for state in states if state.state == name]
         text += told[:LISTED] + [f"  and {len(told) - LISTED} more {name}"] * (len(told) > LISTED)
-    return [*text, sentence(states)]
+    text += [f"  {other.state}: {other.job}{': ' if other.note else ''}{other.note}" for other in beside]
+    return [*text, sentence(states, any(other.state == Stand.RUNNING for other in beside))]
 
 
 def _line(state: State) -> str:
@@ -230,19 +255,20 @@ def _line(state: State) -> str:
     return f"  {state.state}: {state.job.run.id}{': ' if told else ''}{', '.join(told)}"
 
 
-def sentence(states: Sequence[State]) -> str:
-    """What is left, in a sentence."""
+def sentence(states: Sequence[State], at_work: bool = False) -> str:
+    """What is left, in a sentence; ``at_work`` says whether jobs beside the simulations are."""
     left = sum(state.state != Stand.DONE for state in states)
     if not left:
         return "all simulations are done; snakemake -n says whether tables, claims and figures are up to date"
     found, measured = estimate(states), sum(not math.isnan(state.took) for state in states)
     running = sum(state.state == Stand.RUNNING for state in states)
+    nothing = f"no{' simulation' if at_work else 'thing'} is running; "
     if found.unknown == left:
-        return f"{'' if running else 'nothing is running; '}time left: unknown until the first job is done"
+        return f"{'' if running else nothing}time left: unknown until the first job is done"
     basis = f"from {_number(measured, 'benchmark')}" if measured else "from the progress of the running jobs"
     at_least = f"; {_number(found.unknown, 'job')} of unknown time not counted" if found.unknown else ""
     if math.isnan(found.time):
-        return f"nothing is running; {duration(found.work)} of computing remaining, {basis}{at_least}"
+        return f"{nothing}{duration(found.work)} of computing remaining, {basis}{at_least}"
     return f"time left: about {duration(found.time)} with the {running} running now, {basis}{at_least}; tables and figures need more time"
 
 
@@ -250,7 +276,7 @@ def _number(count: int, what: str) -> str:
     return f"{count} {what}{'s' if count > 1 else ''}"
 
 
-def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
+def record(plan: Plan, states: Sequence[State], beside: Sequence[Beside]) -> dict[str, Any]:
     """The overview for machines; numbers that are not known are null."""
     found = estimate(states)
     rows = [state._asdict() | {"job": state.job.run.id, "kind": state.job.title, "duration": state.job.scene.duration} for state in states]
@@ -262,15 +288,16 @@ def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
         "time_left": found.time,
         "not_measured": found.unknown,
         "jobs": rows,
+        "beside": [other._asdict() for other in beside],
     }
 
 
-def watch(plan: Plan, look_again: Callable[[], list[State]]) -> None:
+def watch(plan: Plan, look_again: Callable[[], list[State]], base: Path) -> None:
     """Show the overview until all simulations are done: in place on a terminal, elsewhere whenever it has changed."""
     shown = ""
     while True:
         states = look_again()
-        text = "\n".join(lines(plan, states))
+        text = "\n".join(lines(plan, states, look_beside(plan, base)))
         if sys.stdout.isatty():
             print(f"{CLEAR}{text}", flush=True)
         elif text != shown:

@@ -3,7 +3,6 @@
 No result depends on it: editing it runs nothing again.
 
 * ``ahead``: how short runs share a job
-* ``known_errors``: what stops the jobs of a study before its runs
 * ``simulation``: what the jobs that simulate do
 * ``log``: what a job is given, and its log
 * ``progress``: a bar on a terminal, lines in a log file

@@ -1,7 +1,7 @@
-"""The preflight: findings on all scenes of a study, before any of them is run.
+"""The preflight: findings on all scenes of a study.
 
-Static tests (``sph.checks.stability``) take time: the first job of a study makes them, alone, so that an error stops the study before any
-run.  Searches for limits of its slopes go beside the runs.  Both have coarser spacings than ``sph check --stability``, which cost a
+Those that need no simulation come before any job.  Static tests (``sph.checks.stability``) and searches for limits of the slopes go beside
+the runs, the tests first, so that an error stops a study early.  Both have coarser spacings than ``sph check --stability``, which cost a
 fraction of that and leave a larger error.
 """
 
@@ -287,8 +287,27 @@ def tell(rows: Iterable[Row]) -> None:
             print(f"{row.worst_run}: {line(row.finding)}", file=sys.stderr, flush=True)
 
 
+def look_first(scenes: Mapping[str, Scene], stops: bool) -> None:
+    """Tell what is found in the scenes of a study, by run, before any job of it; errors raise ValueError if it ``stops`` for them."""
+    rows = study_findings(scenes)
+    tell(rows)
+    if stops:
+        stop_for_errors(rows)
+
+
+def stop_for_errors(rows: Iterable[Row]) -> None:
+    """ValueError with the errors among findings and the remedies, if there are any."""
+    errors = [row for row in rows if row.finding.severity == Severity.ERROR]
+    if errors:
+        told = [f"{row.worst_run}{f' and {row.runs - 1} more' if row.runs > 1 else ''}: {line(row.finding)}" for row in errors]
+        raise ValueError(
+            "\n".join(told) + "\nno further run is started, since results would not be those that you want: mend this, or write "
+            "on_error: go_on in the study (--config on_error=go_on) to run it as it is; finished runs stay as they are"
+        )
+
+
 def write_preflight(path: Path | str, rows: Sequence[Row]) -> None:
-    """Write ``preflight.csv``, or what is known before the runs, the most harmful finding first."""
+    """Write ``preflight.csv``, or the part of it that is known before the searches, the most harmful finding first."""
     order = sorted(rows, key=lambda row: row.finding.rank)
     lines = [
         record(row.finding) | {"runs": row.runs, "worst_run": row.worst_run, "numbers": to_json(dict(row.finding.numbers))} for row in order

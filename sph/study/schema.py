@@ -127,8 +127,8 @@ class Study(Section):
         default="full",
     )
     on_error: Literal["stop", "go_on"] = key(
-        "what happens where an error is known before the runs, as of a slope that fails without shaking or a layer that particles do not "
-        "resolve; stop: no run is made; go_on: all are",
+        "what happens where an error is found of the unshaken slopes, as of one that fails or a layer that particles do not resolve; stop: "
+        "no run is started, and none further where a test beside the runs finds it; go_on: all are",
         default="stop",
     )
     yield_acceleration: Literal["mean", "each"] = key(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
@@ -210,6 +211,22 @@ def test_words_for_what_is_left(study: Folder) -> None:
     assert sentence(study.states()).startswith("all simulations are done")
 
 
+def test_what_goes_on_beside_the_simulations_is_named(study: Folder) -> None:
+    study.log("check", HERE)
+    study.log("preflight", GONE)
+    with pytest.raises(SystemExit), job_log(study.path / "logs" / "page.log", io.StringIO()):
+        raise ValueError("no table")
+    shown = call(study.path).stdout.splitlines()
+    assert shown[-3:] == [
+        "  running: check: static tests of the slopes",
+        "  failed: page: no table",
+        "no simulation is running; time left: unknown until the first job is done",
+    ]
+    assert [each["job"] for each in json.loads(call(study.path, "--json").stdout)["beside"]] == ["check", "page"]
+    refused = CliRunner().invoke(app, ["page", str(study.path)])
+    assert refused.exit_code == REFUSED and "no run is done yet; at work: check" in refused.stderr
+
+
 def call(*arguments: object) -> Any:
     return CliRunner().invoke(app, ["status", *map(str, arguments)])
 
@@ -292,5 +309,5 @@ def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixtu
         study.finish(left.pop(), 1.0)
 
     monkeypatch.setattr("sph.command.status.clock.sleep", one_more)
-    watch(study.plan, study.states)
+    watch(study.plan, study.states, study.base)
     assert capsys.readouterr().out.count("results/small/draft: study small") == 1 + len(study.jobs), "one for every change"

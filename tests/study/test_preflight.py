@@ -42,6 +42,7 @@ from sph.study.preflight import (
     quick_spacings,
     read_preflight,
     standing_scene,
+    stop_for_errors,
     study_findings,
     study_limits,
     study_stability,
@@ -70,7 +71,7 @@ def scene(**settings: Any) -> Scene:
 
 
 def of_study(scenes: Mapping[str, Scene], say: Callable[[str], None], searches: Sequence[str] = tuple(QUESTIONS)) -> list[Row]:
-    """What is tested before the runs, and what is searched beside them."""
+    """What is tested and searched beside the runs of a study."""
     rows = study_stability(scenes, say)
     return rows + study_limits(scenes, rows, say, searches)
 
@@ -415,6 +416,9 @@ def test_the_table_has_errors_first_and_comes_back_as_written(tmp_path: Path) ->
     assert back[0] == error and set(back) == {*rows, error}
     assert [row.finding.rank for row in back] == sorted(row.finding.rank for row in back)
     assert [row.finding.severity for row in back] == sorted((row.finding.severity for row in back), key=list(Severity).index)
+    with pytest.raises(ValueError, match=r"^short and 1 more: error: [^\n]*\[fails-unshaken\]\nno further run is started.*on_error=go_on"):
+        stop_for_errors(back)
+    stop_for_errors([row for row in back if row.finding.severity != Severity.ERROR])
     (tmp_path / "other.csv").write_text("a,b\n1,2\n")
     with pytest.raises(ValueError, match="preflight"):
         read_preflight(tmp_path / "other.csv")

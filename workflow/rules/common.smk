@@ -113,10 +113,15 @@ def made_by(
     }
 
 
-def looked_at(wildcards):
-    """The scenes of the study that are checked before its runs, by run."""
+def looked_at():
+    """The runs of the study whose scenes are checked, by name."""
     names = PLAN.study.shown_runs(MAX_SCENES)
-    return {name: planned(PLAN.shared.runs[name].scene) for name in names}
+    return {name: PLAN.shared.runs[name] for name in names}
+
+
+def planned_slopes():
+    """Their scenes as jobs are given them."""
+    return {name: planned(run.scene) for name, run in looked_at().items()}
 
 
 def searched_in(part):

@@ -40,7 +40,6 @@ rule stage:
         **asked(stage_row),
     params:
         **simulated(stage_row, "stage"),
-        checked=checked,
     script:
         "../scripts/simulate.py"
 
@@ -51,7 +50,6 @@ use rule stage as search with:  # of a limit of a slope by many runs, which is n
     priority: 0
     params:
         **simulated(stage_row, "search"),
-        checked=checked,
 
 
 rule simulate:
@@ -69,7 +67,6 @@ rule simulate:
         **asked(run_row),
     params:
         **simulated(run_row, "simulate"),
-        checked=checked,
     script:
         "../scripts/simulate.py"
 
@@ -89,4 +86,3 @@ if DRAFT:
         priority: 30
         params:
             **simulated(run_row, "draft"),
-            checked=checked,

@@ -1,4 +1,4 @@
-# Purpose: what is found before any run and beside the runs; from runs to numbers.
+# Purpose: what is found of the slopes beside the runs; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
 # Outputs: checked.csv, preflight.csv, parts/*.csv, study.nc, study.csv
 from sph.study.preflight import preflight_searches
@@ -7,7 +7,7 @@ from sph.study.searches import slope_searches
 
 
 rule check:
-    """Look at the scenes and test whether the slopes stand unshaken: the first job of a study, alone, since an error stops its runs."""
+    """Test whether the slopes stand unshaken: begun first, beside the runs, since an error stops the study."""
     output:
         f"{RESULTS}/checked.csv",
     log:
@@ -15,17 +15,18 @@ rule check:
     benchmark:
         f"{RESULTS}/benchmarks/check.tsv"
     priority: 100
-    threads: workflow.resource_settings.cores or 1
     resources:
         **asked(lambda wildcards: PLAN.slope._replace(by=SAFETY)),
     params:
         **told(
             lambda wildcards: {
-                "planned": looked_at(wildcards),
+                "planned": planned_slopes(),
                 "size": len(PLAN.study.runs),
                 "tested": PLAN.study.searches != "none",
             }
         ),
+        # made with the input: nothing that asks for the tests again
+        stops=lambda wildcards, input: PLAN.study.on_error == "stop",
         sources=SEARCHING + ANALYSIS,
     script:
         "../scripts/study/check.py"
@@ -51,7 +52,7 @@ rule preflight:
     params:
         **told(
             lambda wildcards: {
-                "planned": looked_at(wildcards),
+                "planned": planned_slopes(),
                 "searches": preflight_searches(
                     PLAN.study.searches, bool(PLAN.searches)
                 ),

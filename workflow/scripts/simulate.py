@@ -1,16 +1,11 @@
 """Simulate one stage or run of a study, or search the limit of a scene by many runs; short runs share the job."""
 
 from sph.jobs.ahead import take_up
-from sph.jobs.known_errors import GO_ON, stop_for_errors
-from sph.jobs.log import Job, job_log
+from sph.jobs.log import Job
 
 if __name__ == "__main__":
     snakemake: Job
     own, *others = snakemake.params.given
-    checked = snakemake.params.get("checked")
-    if checked and snakemake.config.get("on_error") != GO_ON:
-        with job_log(snakemake.log[0]):
-            stop_for_errors(checked)
     if not take_up(own):
         # Most jobs of a study of short runs end before this import, which takes longer than such a run.
         from sph.jobs.simulation import work

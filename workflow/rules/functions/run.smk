@@ -83,12 +83,6 @@ def ahead(row, own, rule):
     return map(task, (on_the_card if on_card(own) else short_ones)(own, ready))
 
 
-def checked(wildcards):
-    """The folder with what is found before the runs of the study, for those of both of its fidelities."""
-    plans = (PLAN, PLAN.second or PLAN)
-    return RESULTS if wildcards.folder in [plan.folder for plan in plans] else None
-
-
 def simulated(row, rule):
     """Parameters of the job of a row, by a function of the wildcards, in a rule."""
 

@@ -1,4 +1,4 @@
-"""Check the scenes of a study and test its slopes without shaking, before any run."""
+"""Test the slopes of a study without shaking, beside its runs."""
 
 from collections.abc import Mapping
 from typing import TextIO
@@ -6,13 +6,13 @@ from typing import TextIO
 from sph.checks.messages import line
 from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned
-from sph.study.preflight import study_findings, study_stability, tell, write_preflight
+from sph.study.preflight import stop_for_errors, study_findings, study_stability, tell, write_preflight
 
 
-def check(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, tested: bool) -> None:
+def check(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, tested: bool, stops: bool) -> None:
     """One row per finding of the planned scenes, by run; ``size`` runs has the study, whose slopes are ``tested`` or not.
 
-    Errors and warnings are said at once.
+    ValueError for an error if it ``stops`` the study: the workflow then starts no further job.
     """
     scenes = {run: each.build() for run, each in planned.items()}
     if len(scenes) < size:
@@ -20,13 +20,14 @@ def check(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: i
     rows = study_findings(scenes)
     for row in rows:
         print(f"{row.worst_run}: {line(row.finding)}", file=log)
-    tell(rows)
     stability = study_stability(scenes, lambda line: print(line, file=log, flush=True)) if tested else []
     tell(stability)
+    if stops:
+        stop_for_errors(rows + stability)
     write_preflight(path_to_csv, rows + stability)
 
 
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]) as log:
-        check(snakemake.output[0], log, **snakemake.params.given)
+        check(snakemake.output[0], log, **snakemake.params.given, stops=snakemake.params.stops)
