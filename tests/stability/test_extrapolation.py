@@ -149,7 +149,7 @@ def test_absorbing_walls_are_tested_as_walls_that_stand() -> None:
 
 
 def test_the_stated_error_covers_the_references_of_validated_slopes() -> None:
-    """All 40; 39 where the spread is that of the others of its kind.  By the step and the rule alone, as two spacings give them, 35."""
+    """All 40; 39 where the spread is that of the others of its kind.  By the step and the rule alone, as two spacings give them, 34."""
     found = deviations()
     step = (found["fine"] - found["coarse"]).abs()  # to spacing 0 as well, at a ratio of two
     alone = step.where(~found["step_taken"], 0.5 * step) + FailureRule().displacement
@@ -158,7 +158,7 @@ def test_the_stated_error_covers_the_references_of_validated_slopes() -> None:
     rest = found.groupby("plane")["value"].transform("size") - 1
     others = 2.0 * ((squares.groupby(found["plane"]).transform("sum") - squares) / rest) ** 0.5
     covered = [(found["value"].abs() <= error).sum() for error in (alone, alone.clip(lower=kinds), alone.clip(lower=others))]
-    assert (len(found), int(found["plane"].sum()), covered) == (40, 7, [35, 40, 39])
+    assert (len(found), int(found["plane"].sum()), covered) == (40, 7, [34, 40, 39])
     assert 0.02 < spread(False) < 0.03 < spread(True) < 0.06
 
 
