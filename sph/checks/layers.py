@@ -39,6 +39,20 @@ class Section(NamedTuple):
     particles: np.ndarray  # (columns,) number of its soil particles
 
 
+class Needed(NamedTuple):
+    """Rows of particles across a layer that needs a number of them."""
+
+    name: str
+    rows: float
+    enough: int
+    thickness: float  # m
+
+    @property
+    def spacing(self) -> float:
+        """The largest with which it has enough, m."""
+        return self.thickness / self.enough
+
+
 def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
     """The materials with their particles."""
     found = []
@@ -64,6 +78,18 @@ def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
             keys = ("numerics.spacing", *([f"layers.{layer.name}.region"] if layer.name in scene.layers else []))
             found.append(finding("thin-layer", *keys, subject=layer.name, value=layer.thickness, bound=MIN_IN_LAYER))
     return cut + [of_cover(cover, scene) for cover in weak] + found
+
+
+def needed_rows(scene: Scene, particles: Particles) -> list[Needed]:
+    """Rows in each weak soil on stronger ground whose need is known, and in each other layer that has too few."""
+    weak = covers(scene)
+    needs = [(cover, HELD_BELOW if cover.held else enough_rows(cover.law)) for cover in weak]
+    found = [Needed(cover.name, cover.rows, enough, cover.thickness) for cover, enough in needs if enough is not None]
+    others = [layer for layer in layers_of(scene, particles) if layer.name not in {cover.name for cover in weak}]
+    dx = scene.numerics.spacing
+    return found + [
+        Needed(layer.name, layer.thickness, MIN_IN_LAYER, layer.thickness * dx) for layer in others if 0.0 < layer.thickness < MIN_IN_LAYER
+    ]
 
 
 def braked(scene: Scene) -> list[Finding]:

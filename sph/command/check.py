@@ -7,31 +7,40 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import sph
 from sph.checks.equilibrium import equilibrium_numbers, found_equilibrium, slip_at_base, without_surface
 from sph.checks.finding import Finding
-from sph.checks.layers import Layer, layers_of, seam_rows
+from sph.checks.layers import Layer, layers_of, needed_rows, seam_rows
 from sph.checks.liquefaction import of_liquefaction
 from sph.checks.messages import factor_words, line, record, yield_words
 from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.checks.stability import stability
-from sph.command.given import earlier_run, read_given
+from sph.command.given import earlier_run, is_study, read_given
 from sph.command.outputs import check_picture
+from sph.command.study import find_study
 from sph.command.terminal import aligned, say, table
 from sph.command.watch import Shown, svg, watch
 from sph.measures.metrics import MetricSettings
 from sph.measures.places import PlaceAt, check_places
 from sph.output.run import Run
-from sph.scene.configuration import merge, read_yaml, validated
+from sph.scene.configuration import found_file, merge, read_yaml, validated
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.stability.slip_search import LimitEquilibrium
 from sph.study.cost import ON_REFERENCE, cost
+from sph.study.machine import duration
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+LIBRARY = Path(sph.__file__).parents[1]
+"""Where the scenes of the repository are."""
+Variants = dict[str, dict[str, list[Finding]]]
+"""Findings by section of a study, and by the name of a fidelity or an alternative in it."""
 
 
 class Check(NamedTuple):
@@ -46,7 +55,7 @@ class Check(NamedTuple):
 
 
 def answer(
-    path: Path,
+    given: Path | None,
     changes: Mapping[str, Any],
     plot: Path | None,
     study: Path | None,
@@ -55,15 +64,16 @@ def answer(
     as_json: bool,
     watching: bool = False,
 ) -> str | None:
-    """The summary and the findings of the scene in a file, with changes, and of the alternatives of a study; its picture, with the places
-    of the study, where asked for.
+    """The summary and the findings of the scene in a file, with changes, and of the fidelities and alternatives of a study; its picture,
+    with the places of the study, where asked for.  A study alone names its scene.
 
     With a magnitude also whether such an earthquake liquefies or softens its layers.  None where section and findings were shown in the
     browser, and again whenever a file was saved, until the command was interrupted.
     """
+    path, study = scene_and_study(given, study)
     if watching:
-        given = (("--plot", plot), ("--stability", static), ("--magnitude", magnitude), ("--json", as_json))
-        asked = [name for name, value in given if value]
+        others_asked = (("--plot", plot), ("--stability", static), ("--magnitude", magnitude), ("--json", as_json))
+        asked = [name for name, value in others_asked if value]
         if asked:
             raise ValueError(f"--watch: shows section and findings in the browser; leave out {' and '.join(asked)}")
         watch(path, partial(shown, path, changes, study), say)
@@ -78,36 +88,53 @@ def answer(
         from sph.figures.style import save
 
         save(draw(found, places, None if earlier is None or changes else Run(earlier, scene)), plot)
-    others = in_alternatives(path, changes, study, found.findings)
+    others = in_variants(path, changes, study, found.findings)
     liquefied = [] if magnitude is None else of_liquefaction(scene, found.particles, magnitude)
     facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + liquefied + found.findings
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        alternatives = {name: [record(each) for each in of] for name, of in others.items()}
+        variants = {section: {name: [record(each) for each in of] for name, of in found.items()} for section, found in others.items()}
         findings = [record(each) for each in told]
-        return to_json({"rows": dict(facts), "layers": named, "findings": findings, "alternatives": alternatives}, indent=1)
+        return to_json({"rows": dict(facts), "layers": named, "findings": findings, **variants}, indent=1)
     return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told), *other_lines(others)])
 
 
-def in_alternatives(path: Path, changes: Mapping[str, Any], study: Path | None, found: Sequence[Finding]) -> dict[str, list[Finding]]:
-    """Errors and warnings of each alternative of a study besides what was ``found`` in the scene as it is; ValueError for one that is
-    refused."""
-    written = read_yaml(study).get("alternatives") or {} if study else {}
-    if not isinstance(written, Mapping) or not all(isinstance(keys, Mapping) for keys in written.values()):
-        raise ValueError(f"{study}: alternatives: must be a section with a section of scene keys for each")
-    others = {}
-    for name, keys in written.items():
-        try:
-            of = check(read_given(path, merge(changes, keys))[0]).findings
-        except ValueError as error:
-            raise ValueError(f"{study}: alternatives.{name}: {error}") from error
-        others[name] = [each for each in of if each.counts and each not in found]
+def scene_and_study(given: Path | None, study: Path | None) -> tuple[Path, Path | None]:
+    """The file of a scene and that of the study, if there is one; ValueError where neither is given, and where no scene is found."""
+    if given is not None and study is None and is_study(given):
+        given, study = None, given
+    if given is not None:
+        return given, study
+    if study is None:
+        raise ValueError("SCENE: is missing; give a scene, or a study, which names its scene")
+    catalogue = find_study(study)
+    return found_file([catalogue.base, LIBRARY], catalogue.plan.study.scene, f"{study}: scene"), study
+
+
+def in_variants(path: Path, changes: Mapping[str, Any], study: Path | None, found: Sequence[Finding]) -> Variants:
+    """Errors and warnings of the fidelities that a study runs, and of its alternatives, besides what was ``found`` in the scene as it is;
+    ValueError for one that is refused."""
+    written = {} if study is None else read_yaml(study)
+    others: Variants = {}
+    for section in ("fidelities", "alternatives"):
+        keys = written.get(section) or {}
+        if not isinstance(keys, Mapping) or not all(isinstance(each, Mapping) for each in keys.values()):
+            raise ValueError(f"{study}: {section}: must be a section with a section of scene keys for each")
+        run = keys if section == "alternatives" else (written.get("fidelity"), written.get("second_fidelity"))
+        others[section] = {}
+        for name in (name for name in keys if name in run and keys[name]):
+            try:
+                of = check(read_given(path, merge(changes, keys[name]))[0]).findings
+            except ValueError as error:
+                raise ValueError(f"{study}: {section}.{name}: {error}") from error
+            others[section][name] = [each for each in of if each.counts and each not in found]
     return others
 
 
-def other_lines(others: Mapping[str, Sequence[Finding]]) -> list[str]:
-    """A line for each finding in an alternative, and for an alternative without more."""
-    return [f"{name}: {said}" for name, found in others.items() for said in (list(map(line, found)) or ["no further warnings"])]
+def other_lines(others: Variants) -> list[str]:
+    """A line for each finding in a fidelity and in an alternative, and for one without more."""
+    named = {f"fidelity {name}": found for name, found in others["fidelities"].items()} | others["alternatives"]
+    return [f"{name}: {said}" for name, found in named.items() for said in (list(map(line, found)) or ["no further warnings"])]
 
 
 def told_lines(told: Sequence[Finding]) -> list[str]:
@@ -120,7 +147,7 @@ def shown(path: Path, changes: Mapping[str, Any], study: Path | None) -> Shown:
     scene, inputs = read_given(path, changes)
     found = check(scene)
     figure = draw(found, {} if study is None else places_of(study, scene))
-    others = in_alternatives(path, changes, study, found.findings)
+    others = in_variants(path, changes, study, found.findings)
     text = "\n".join([*told_lines(found.findings), *other_lines(others), "", aligned(rows(found))])
     return Shown(svg(lambda file: figure.savefig(file, format="svg")), text, [*inputs, *([] if study is None else [str(study)])])
 
@@ -154,6 +181,14 @@ def rows(found: Check) -> list[tuple[str, str]]:
         x, y = geometry.in_survey(float(particles.x[particle]), float(particles.y[particle]))
         lines.append((f"probe {name}", f"({x:.10g}, {y:.10g}) m"))
     lines += [(f"seam {name}", text) for name, text in seam_rows(scene, particles)]
+    lines += [
+        (
+            f"rows in {each.name}",
+            f"{each.rows:.2g} in {each.thickness:.3g} m; {each.enough} are needed, with a spacing of at most {each.spacing:.3g} m, "
+            f"with which a run takes {duration(expected.seconds * (scene.numerics.spacing / each.spacing) ** 3)}",
+        )
+        for each in needed_rows(scene, particles)
+    ]
     frequency = highest_frequency(scene)
     shaking = f"{scene.motion.kind}, 95 % of its energy below {frequency:.3g} Hz" if frequency else f"{scene.motion.kind}, no waves"
     return [

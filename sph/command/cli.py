@@ -24,6 +24,7 @@ from sph.command.options import (
     AsJson,
     BandPass,
     Baseline,
+    CheckedFile,
     Component,
     Configfile,
     Picture,
@@ -174,16 +175,20 @@ def info(scene: SceneFile, set_: Settings = None) -> Told:
 
 
 @command(
-    "Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --watch  |  sph check slope.yaml --json",
+    "Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check study.yaml  |  sph check slope.yaml --watch  |  "
+    "sph check slope.yaml --json",
     "placing the particles; with --stability, testing whether it stands by trial runs",
 )
 def check(
-    scene: SceneFile,
+    scene: CheckedFile = None,
     set_: Settings = None,
     plot: Picture = None,
     study: Annotated[
         Path | None,
-        typer.Option("--configfile", help="configuration of a study, whose alternatives to check as well and whose places to draw"),
+        typer.Option(
+            "--configfile",
+            help="configuration of a study, whose fidelities and alternatives to check as well and whose places to draw; alone, its scene",
+        ),
     ] = None,
     static: Annotated[
         bool,

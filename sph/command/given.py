@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from sph.scene.configuration import merge, scene_files
+from sph.scene.configuration import merge, read_yaml, scene_files
 from sph.scene.schema import Scene, check_unit, make_scene, written_amplitude, written_scene
 from sph.scene.strict_json import parse_json
 from sph.storage import trajectory
@@ -31,12 +32,21 @@ def earlier_run(path: Path) -> Group | None:
     return found
 
 
+def is_study(path: Path) -> bool:
+    """Whether a file (YAML) is the configuration of a study, which names its scene; so is none that cannot be read."""
+    with suppress(ValueError):
+        return path.suffix in (".yaml", ".yml") and path.is_file() and "scene" in read_yaml(path)
+    return False
+
+
 def read_given(path: Path, overrides: Mapping[str, Any], earlier: Group | None = None) -> tuple[Scene, list[str]]:
     """The scene in a file, YAML or a trajectory (``earlier``, where it has been read), and the files that it was read from: its own, which
     may be a pipe, records and ground lines.  ValueError with file, key and value."""
     earlier = earlier_run(path) if earlier is None else earlier
     if earlier is None:
         kept = written_scene(path)
+        if "scene" in kept:
+            raise ValueError(f"{path}: is a study, where a scene is asked for: give its scene, {kept['scene']}")
     else:
         kept = parse_json(trajectory.scene_of(earlier, str(path)).stored())
         _check_layers(kept, overrides, path)

@@ -8,13 +8,13 @@ import shlex
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
 
 import sph
-from sph.checks.cover_rows import Cover, covers, enough_rows
+from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.layers import of_cover
 from sph.checks.messages import sentence
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, to_side
@@ -27,15 +27,17 @@ from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.storage.files import whole
 from sph.study.cost import ON_REFERENCE, cost
+from sph.study.machine import duration
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
 ROWS = 20
 """Particles over the height of the slope at least."""
-COARSER, FINER = 0.75, 1.5
-"""Times as many for a first look, and to see what finer ones change."""
-MAX_RUN = 3600.0
-"""Computing time (s) of a run up to which particles are made smaller for the sake of a cover; it grows with the cube of their number over
-the height."""
+PART, PARTS = 3, 4
+"""Share of these for a first look, and to compare with; whole rows at both make the height of the slope and the depth below its toe."""
+FINER = 1.5
+"""Times as many, to see what finer ones change."""
+MAX_COMPARED, MAX_RUN = 3600.0, 86400.0
+"""Computing time (s) of a run up to which a cover has the rows that it needs at the coarser spacing as well, and at most."""
 GROUND = {"density": 2200.0, "s_wave_speed": 450.0, "cohesion": 200.0, "friction_angle": 38.0}
 """The ground below a cover, to be replaced, in the units of the scene's keys."""
 WIDTH = 0.22
@@ -60,7 +62,7 @@ duration: {duration:g} # s, until {after:g} s after the record
 geometry:
   shape: ground_line
   file: {ground}
-  base: {base:g} # m, elevation of the model's base; deeper than any slip surface
+  base: {base:.8g} # m, elevation of the model's base; deeper than any slip surface, whole rows of particles below the toe
   downhill: {downhill}{ends}
 # Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is the outcrop motion of the material
 # below the base. bedrock: null means that the lowest soil continues below; for a rock motion describe the rock, in kg/m3 and m/s:
@@ -104,24 +106,42 @@ STUDY_TEXT = """\
 study: {name}
 scene: {scene}
 fidelity: own
-second_fidelity: coarse # repeats every run with coarser particles, which adds 0.4 of the time: the page then shows the effect; null: no
+second_fidelity: {second}
 grid:
   amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and 1.5 times that; add your design peak, e.g. "0.4g"
   # For soil and layers without an S_R of their own; for one layer write layers.NAME.S_R. Soil with both residual_cohesion and
   # residual_friction_angle does not feel S_R: vary those keys instead
   S_R: ["0.3", "0.5", "0.7"]
+  # motion.file: [{record_here}, "another.csv"] # more records, as seen from the folder where you run the study
 fidelities:
-  coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look, and to compare with
+  coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look{at_coarse}
   own: {{}} # the scene as it is
+# What must the debris not reach, or the ground not move at? By the distance to the toe, or by x in the coordinates of the survey:
+# metrics: {{places: {{house: 15 beyond the toe}}}}
+# What would help? Each run is then made for the scene as it is and for each of these, here a lower water level, where the scene has one:
+# alternatives: {{drained: {{water: {{file: drained.csv}}}}}}
 """
+COMPARED = "coarse # repeats every run with coarser particles, which adds 0.4 of the time: the page then shows the effect; null: no"
+NOT_COMPARED = "null # coarser particles would hold the cover; add a fidelity with finer ones to see what they change"
+
+
+class Rows(NamedTuple):
+    """Rows of particles over the height of the slope."""
+
+    own: int  # a multiple of ``PARTS``
+    compared: bool = True  # whether the runs are repeated with the coarser ones
+
+    @property
+    def coarse(self) -> int:
+        """Of the first look."""
+        return self.own * PART // PARTS
 
 
 def write_new(ground: Path, record: Path, folder: Path, component: str | None = None, cover: float | None = None) -> tuple[Path, Path]:
     """Write ``SCENE`` and ``STUDY``, named after it, into a folder, which is made; their paths.
 
     ``component`` is the horizontal component of a record that holds several, as ``motion.component``; ``cover`` the thickness (m) of weak
-    soil on stronger ground, which then has the rows of particles that its run-out needs, unless a run would take longer than
-    ``MAX_RUN``.
+    soil on stronger ground, which then has the rows of particles that its run-out needs.
 
     ValueError for a ground line, a record or a cover that cannot be used, where one of the files exists, and for a path that a line of
     text cannot hold; nothing is left behind then.
@@ -140,10 +160,6 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         raise ValueError(
             f"--cover {cover:g}: must be above 0 and less than the height of the slope, {height:.4g} m; leave it out without one"
         )
-    soils = [PLACEHOLDER_SOIL, GROUND] if cover else [PLACEHOLDER_SOIL]
-    thickness = [cover, line.crest[1] - cover] if cover else [line.crest[1]]
-    column = Column(*map(np.array, (thickness, *([soil[key] for soil in soils] for key in ("s_wave_speed", "density")))))
-    frequency = _digits(float(natural_frequencies(column)[0]), 3)
     name = _name(folder.resolve())
     facts: dict[str, Any] = PLACEHOLDER_SOIL | {
         "scene_schema": _schema_line("scene", folder),
@@ -155,15 +171,13 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         "study_word": shlex.quote(str(study)),
         "ground": quoted(os.path.relpath(ground, folder)),
         "record": quoted(os.path.relpath(record, folder)),
+        "record_here": quoted(str(record)),
         "file": f"file: {quoted(os.path.relpath(record, folder))}" + (f", component: {quoted(component)}" if component else ""),
         "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
-        "base": line.base,
         "downhill": downhill,
         "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
         "rest": PLACEHOLDER_SOIL["poisson_ratio"] / (1.0 - PLACEHOLDER_SOIL["poisson_ratio"]),
         "width": _digits(WIDTH * height, 2),
-        "low": frequency,
-        "high": 5.0 * frequency,
         "start": START,
         "after": AFTER,
         "peak": motion.peak,
@@ -173,13 +187,12 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        rows = ROWS if cover is None else max(ROWS, math.ceil(height * (enough_rows() or ROWS) / cover))
-        _write(scene, SCENE_TEXT, facts | _of_rows(rows, height, cover))
-        written = load_scene(scene)
-        if rows > ROWS and (seconds := cost(written).seconds) > MAX_RUN:
-            rows = max(ROWS, math.floor(rows * (MAX_RUN / seconds) ** (1.0 / 3.0)))
-            _write(scene, SCENE_TEXT, facts | _of_rows(rows, height, cover))
-        _write(study, STUDY_TEXT, facts | _of_rows(rows, height, cover))
+        rows = Rows(ROWS)
+        _write(scene, SCENE_TEXT, facts | _of_rows(rows, line, cover))
+        if cover is not None and (rows := _enough(height, cover, cost(load_scene(scene)).seconds)) != Rows(ROWS):
+            _write(scene, SCENE_TEXT, facts | _of_rows(rows, line, cover))
+        load_scene(scene)
+        _write(study, STUDY_TEXT, facts | _of_rows(rows, line, cover))
     except BaseException:
         for path in (scene, study):
             path.unlink(missing_ok=True)
@@ -195,30 +208,62 @@ def _write(path: Path, text: str, facts: Mapping[str, Any]) -> None:
         temporary.write_text(text.format(**facts), encoding="utf-8")
 
 
-def _of_rows(rows: int, height: float, cover: float | None) -> dict[str, Any]:
-    """What a scene and a study say of the rows of particles over the height of the slope, m."""
+def _enough(height: float, cover: float, seconds: float) -> Rows:
+    """Rows that the run-out of a cover needs, of a run that takes ``seconds`` with ``ROWS``: at the coarser spacing as well, unless a run
+    then takes longer than ``MAX_COMPARED``.
+
+    ValueError for a cover with which a run takes longer than ``MAX_RUN``.
+    """
+    needed = math.ceil(height * (enough_rows() or ROWS) / cover * (1.0 - 1e-9))
+
+    def longest(rows: int) -> float:
+        return seconds * (rows / ROWS) ** 3
+
+    own = max(ROWS, PARTS * math.ceil(needed / PART))
+    if longest(own) > MAX_COMPARED:
+        own = max(ROWS, PARTS * math.ceil(needed / PARTS))
+    if longest(own) > MAX_RUN:
+        raise ValueError(
+            f"--cover {cover:g}: {enough_rows()} rows of particles in it, without which it is held, make a run of {duration(longest(own))} "
+            f"{ON_REFERENCE}, at most {duration(MAX_RUN)}; leave it out, and make the base of so thin a cover a seam (docs/model/seams.md)"
+        )
+    found = Rows(own)
+    return found._replace(compared=found.coarse >= needed)
+
+
+def _of_rows(rows: Rows, line: GroundLine, cover: float | None) -> dict[str, Any]:
+    """What a scene and a study say of the rows of particles over the height of the slope, and of the base, which is a row."""
+    height, toe = line.slope_height, line.toe[1]
+    step = height * PARTS / rows.own  # whole rows at both spacings
+    depth = math.ceil(toe / step * (1.0 - 1e-9)) * step
+    soils = [PLACEHOLDER_SOIL, GROUND] if cover else [PLACEHOLDER_SOIL]
+    thickness = [cover, depth + height - cover] if cover else [depth + height]
+    column = Column(*map(np.array, (thickness, *([soil[key] for soil in soils] for key in ("s_wave_speed", "density")))))
+    frequency = _digits(float(natural_frequencies(column)[0]), 3)
+
+    def in_cover(number: int) -> str:
+        return "" if cover is None else f", {cover * number / height:.2g} rows in the cover"
+
     return {
-        "rows": rows,
-        "in_cover": "" if cover is None else f", {cover * rows / height:.2g} in the cover",
-        **{name: _digits(height / round(factor * rows), 6) for name, factor in (("spacing", 1.0), ("finer", FINER), ("coarse", COARSER))},
+        "base": round(line.base + toe - depth, 4),
+        "low": frequency,
+        "high": 5.0 * frequency,
+        "rows": rows.own,
+        "in_cover": in_cover(rows.own),
+        "second": COMPARED if rows.compared else NOT_COMPARED,
+        "at_coarse": (", and to compare with" if rows.compared else ": its run-outs are lower bounds") + in_cover(rows.coarse),
+        **{
+            name: _digits(height / number, 6)
+            for name, number in (("spacing", rows.own), ("finer", FINER * rows.own), ("coarse", rows.coarse))
+        },
     }
 
 
 def cover_words(path: Path) -> list[str]:
-    """What the rows of particles in the covers of a scene do to its run-out, and what a run costs with these and with enough."""
+    """What the rows of particles in the covers of a scene do to its run-out, and what a run costs."""
     scene = load_scene(path)
-    seconds = cost(scene).seconds
-
-    def words(cover: Cover) -> str:
-        told = f"{sentence(of_cover(cover, scene))}. A run takes {_time(seconds)} {ON_REFERENCE}"
-        enough = enough_rows(cover.law)
-        return told + (f", with {enough} rows about {_time(seconds * (enough / cover.rows) ** 3)}" if cover.short and enough else "")
-
-    return list(map(words, covers(scene)))
-
-
-def _time(seconds: float) -> str:
-    return f"{seconds / 3600.0:.2g} h" if seconds >= 3600.0 else f"{seconds / 60.0:.2g} min"
+    takes = f"A run takes {duration(cost(scene).seconds)} {ON_REFERENCE}"
+    return [f"{sentence(of_cover(cover, scene))}. {takes}" for cover in covers(scene)]
 
 
 def quoted(text: str) -> str:
@@ -250,7 +295,7 @@ def _ground(path: Path, cover: float) -> tuple[GroundLine, str]:
         keys: dict[str, Any] = {"shape": "ground_line", "points": points, "base": lowest - 1.0, "downhill": downhill}
         try:
             line = validated(GroundLine, keys, str(path))
-            base = math.floor(lowest - max(DEPTH * line.slope_height, 2.0 * cover, 1.0))
+            base = lowest - max(DEPTH * line.slope_height, 2.0 * cover, 1.0)
             found.append((validated(GroundLine, keys | {"base": base}, str(path)), downhill))
         except ValueError as error:
             refused.append(str(error))

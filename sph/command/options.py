@@ -16,6 +16,10 @@ MIN_ACCELERATION = 1e-6
 EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML), or a trajectory (netCDF), which contains its scene")]
+CheckedFile = Annotated[
+    Path | None,
+    typer.Argument(metavar="[SCENE]", help="scene file (YAML), a trajectory (netCDF), or a study (YAML), which names its scene"),
+]
 Settings = Annotated[
     list[str] | None,
     typer.Option(

@@ -121,7 +121,10 @@ def compare(earlier: Group, again: Group, path: Path) -> str:
     differ = [name for name in names if name not in earlier or not _same(earlier[name].values, again[name].values)]
     if not differ:
         return f"every variable is identical to that of {path}, bit for bit"
-    old, new = (parse_json(run.attrs.get("versions", "{}")) | {"machine": run.attrs.get("machine")} for run in (earlier, again))
+    old, new = (
+        parse_json(run.attrs.get("versions", "{}")) | {"machine": run.attrs.get("machine"), "--backend": run.attrs.get("backend", "cpu")}
+        for run in (earlier, again)
+    )
     other = ", ".join(f"{name} {old.get(name)} there and {new[name]} here" for name in new if old.get(name) != new[name])
     return f"differs from {path} in {', '.join(differ)}: {other or 'made by other sources or on another processor'}"
 

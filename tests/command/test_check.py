@@ -189,7 +189,11 @@ def test_a_wave_of_eight_smoothing_lengths_travels_some_9_percent_too_slowly() -
 
 
 def test_the_table() -> None:
-    one = check(scene())
+    clay = {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 5.0}}}
+    one, layered = check(scene()), check(scene(layers=clay))
+    needed = dict(rows(layered))["rows in clay"]
+    assert needed.startswith("2 in 2 m; 4 are needed, with a spacing of at most 0.5 m, with which a run takes ")
+    assert not [name for name, _ in rows(one) if name.startswith("rows")]
     text = dict(rows(one))
     assert "toe (160, 440) m, crest (180, 460) m, 20 m high, 1 : 1" in text["slope"]
     assert text["kernel radius"].startswith("2.6 m")
@@ -229,6 +233,20 @@ def test_the_alternatives_of_a_study_are_checked_as_well(tmp_path: Path) -> None
     study.write_text(yaml.safe_dump({"alternatives": {"odd": {"soil": {"cohesion": -1.0}}}}))
     refused = call("check", file, "--configfile", study)
     assert refused.exit_code == REFUSED and "alternatives.odd: " in refused.stderr and "soil.cohesion" in refused.stderr
+
+
+def test_a_study_alone_is_checked_with_its_scene_and_fidelities(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("sound.yaml").write_text(yaml.safe_dump(SOUND))
+    fidelities = {"draft": {"numerics": {"spacing": 2.0}}, "own": {}, "unused": {"duration": 8.0}}
+    study = {"study": "own", "scene": "sound.yaml", "fidelity": "own", "second_fidelity": "draft", "fidelities": fidelities}
+    Path("study.yaml").write_text(yaml.safe_dump(study | {"grid": {"amplitude": ["1.0"]}}))
+    for asked in (["study.yaml"], ["--configfile", "study.yaml"]):
+        told = call("check", *asked).stdout
+        assert "no warnings" in told and "fidelity draft: warning: " in told and "unused" not in told
+    missing, other = call("check"), call("info", "study.yaml")
+    assert missing.exit_code == REFUSED and "a study, which names its scene" in missing.stderr
+    assert other.exit_code == REFUSED and other.stderr.endswith("is a study, where a scene is asked for: give its scene, sound.yaml\n")
 
 
 def test_soil_with_a_name_is_called_by_it() -> None:

@@ -19,6 +19,7 @@ from sph.command.new import write_new
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.study.cost import cost
+from sph.study.machine import duration
 from sph.study.plan import load_study
 
 ROOT = Path(__file__).parents[2]
@@ -52,9 +53,16 @@ def test_a_cover_has_the_rows_that_its_run_out_needs(tmp_path: Path, monkeypatch
     told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", "own", "--cover", "2"])
     assert told.exit_code == 0 and "enough rows" in told.stderr and "on one core of the reference machine" in told.stderr
     scene = load_scene("own/scene.yaml")
-    ((cover,), rows) = covers(scene), scene.geometry.slope_height / scene.numerics.spacing  # type: ignore[union-attr]
-    assert (cover.name, cover.ground, cover.thickness) == ("soil", "ground", pytest.approx(2.0)) and not cover.short
-    assert rows == pytest.approx(round(rows), 1e-5) and enough_rows() <= cover.rows < enough_rows() + 2.0 / scene.geometry.slope_height  # type: ignore[operator,union-attr]
+    height = scene.geometry.slope_height  # type: ignore[union-attr]
+    study = yaml.safe_load(Path("own/study.yaml").read_text())
+    coarse = load_scene("own/scene.yaml", study["fidelities"]["coarse"])
+    for each in (scene, coarse):
+        ((cover,), rows) = covers(each), height / each.numerics.spacing
+        assert (cover.name, cover.ground, cover.thickness) == ("soil", "ground", pytest.approx(2.0)) and not cover.short
+        assert rows == pytest.approx(round(rows), 1e-5) and cover.rows >= enough_rows()  # type: ignore[operator]
+        below = each.geometry.toe[1] / each.numerics.spacing  # type: ignore[union-attr]
+        assert below == pytest.approx(round(below), abs=1e-3), "whole rows below the toe, too"
+    assert study["second_fidelity"] == "coarse" and cover.rows < enough_rows() + 3 * 2.0 / height  # type: ignore[operator]
     assert "in the cover" in Path("own/scene.yaml").read_text() and scene.damping is not None
     assert scene.damping.frequencies[0] == pytest.approx(float(natural_frequencies(column_at(scene, scene.geometry.crest))[0]), rel=5e-3)  # type: ignore[union-attr]
     checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
@@ -64,16 +72,23 @@ def test_a_cover_has_the_rows_that_its_run_out_needs(tmp_path: Path, monkeypatch
     assert thick.geometry.slope_height / thick.numerics.spacing == pytest.approx(20, 1e-5)  # type: ignore[union-attr]
 
 
-def test_a_cover_that_would_cost_too_much_is_coarser_and_the_command_says_what_that_does(
+def test_a_cover_that_costs_much_has_no_rows_to_spare_and_one_that_costs_too_much_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sph.command.new.MAX_RUN", 60.0)
-    told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", str(tmp_path), "--cover", "1"])
-    scene = load_scene(tmp_path / "scene.yaml")
+    """A study then compares no coarser particles, which would hold the cover."""
+    command = ["new", str(GROUND), str(RECORD), "--out", str(tmp_path / "own"), "--cover", "1.5"]
+    monkeypatch.setattr("sph.command.new.MAX_COMPARED", 60.0)
+    told = CliRunner().invoke(app, command)
+    scene, study = load_scene(tmp_path / "own" / "scene.yaml"), yaml.safe_load((tmp_path / "own" / "study.yaml").read_text())
     (cover,) = covers(scene)
-    assert cover.short and f"{cover.rows:.2g} rows of particles in 1 m" in told.stderr and f"about {cover.run_out:.0%}" in told.stderr
-    assert f"with {enough_rows()} rows about" in told.stderr and 20 < scene.geometry.slope_height / scene.numerics.spacing < 75  # type: ignore[union-attr]
-    assert cost(scene).seconds < 60.0
+    assert not cover.short and cover.rows < enough_rows() + 4 * 1.5 / scene.geometry.slope_height  # type: ignore[operator,union-attr]
+    assert study["second_fidelity"] is None and f"A run takes {duration(cost(scene).seconds)} on one core" in told.stderr
+    monkeypatch.setattr("sph.command.new.MAX_RUN", 30.0)
+    shutil.rmtree(tmp_path / "own")
+    refused = CliRunner().invoke(app, command)
+    assert (
+        refused.exit_code == 2 and "--cover 1.5: 3 rows" in refused.stderr and "seam" in refused.stderr and not (tmp_path / "own").exists()
+    )
 
 
 @pytest.mark.parametrize("thickness", ["0", "-1", "40", "nan"])

@@ -13,7 +13,7 @@ import yaml
 from record_files import geonet
 
 from sph.command.given import read_given
-from sph.command.run import stopped_at
+from sph.command.run import compare, stopped_at
 from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.restart import check_restart
@@ -129,3 +129,11 @@ def test_another_component_is_read_again(tmp_path: Path, monkeypatch: pytest.Mon
     here, again = both(tmp_path, data, {"motion.component": "3"})
     assert here == again and here.motion.data is not None  # type: ignore[union-attr]
     np.testing.assert_allclose(here.motion.data.x, samples / 2.0, rtol=1e-12)  # type: ignore[union-attr]
+
+
+def test_a_run_that_differs_from_one_of_a_card_names_the_backend() -> None:
+    made = {"versions": '{"sph": "1"}', "machine": "here"}
+    earlier, again = (xr.Dataset({"x": ("particle", [value])}, attrs=made) for value in (1.0, 2.0))
+    earlier.attrs["backend"] = "cuda"
+    assert compare(earlier, again, Path("run.nc")) == "differs from run.nc in x: --backend cuda there and cpu here"
+    assert compare(again, again, Path("run.nc")).endswith("bit for bit")

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
 from small_scenes import SLOPE
 
+from sph.checks.finding import Severity
+from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
 from sph.page.alternatives import compared
 from sph.scene.schema import make_scene
+from sph.solver.particles import place_particles
 from sph.study.dimensions import Dimension
 from sph.study.plan import Plan
 
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "how-to" / "studies.md"
 ALTERNATIVES: dict[str, Any] = {
     "drained": {"water": None},
     "head_35": {"water": {"level": 20.0}},
@@ -49,6 +56,23 @@ def test_every_run_is_made_for_each_alternative(study: dict[str, Any]) -> None:
     assert len(plan.shared.pre_failures) == 8, "of two amplitudes; weaker soil after failure shares that of the scene as it is"
     assert len({search.file for search in plan.searches.values()}) == 4, "a search for each slope"
     assert [found.variable(False).dtype for found in plan.dimensions] == ["f8", "str"]
+
+
+def test_the_example_of_the_documentation_can_be_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its buttress stands in front of the old ground, and its layers have particles."""
+    monkeypatch.chdir(ROOT)
+    (example,) = (code for code in re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL) if "alternatives:" in code)
+    plan = load_study(yaml.safe_load(example))
+    base, *others = (plan.built(amplitude="3.0", alternative=name) for name in ("base", *plan.study.alternatives))
+    assert all(scene != base for scene in others)
+    assert not [each for scene in (base, *others) for each in findings(scene) if each.severity == Severity.ERROR]
+    (buttress,) = (scene for scene in others if "fill" in scene.layers)
+    x = np.linspace(0.0, base.geometry.width, 500)
+    added = buttress.geometry.ground(x) - base.geometry.ground(x)
+    assert added.min() > -0.01 and added.max() > 3.0
+    particles = place_particles(buttress)
+    filled = np.count_nonzero(particles.layer[: particles.n_soil] == 1 + [*buttress.layers].index("fill"))
+    assert filled == pytest.approx(np.trapezoid(added, x) / buttress.numerics.spacing**2, rel=0.2)
 
 
 def test_a_list_of_runs_has_alternatives_too(study: dict[str, Any]) -> None:
