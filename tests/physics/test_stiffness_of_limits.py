@@ -123,6 +123,7 @@ def test_runs_of_the_gravity_stage_keep_their_stiffness() -> None:
     assert [soil.youngs_modulus for soil in kept.soils] == [soil.youngs_modulus for soil in soft.soils]
 
 
+@pytest.mark.long
 def test_elastic_ground_moves_by_its_share_of_what_the_rule_allows() -> None:
     """Closed form: rho a H^2 / 2G at the top of a layer that does not yield, of soil that is soft in its file.
 
