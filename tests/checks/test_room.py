@@ -59,17 +59,23 @@ def room(scene: Scene) -> list[tuple[str, str]]:
     return [(words(each).wanted, words(each).key) for each in findings(scene) if each.code == "little-room"]
 
 
+def aprons(ratio: float) -> tuple[float, float]:
+    """Lengths of an apron with the room that is asked for, and of half of what the debris then covers, m."""
+    asked = round(room_ahead(low(**{"coupling.S_R": ratio})))
+    return asked, round(0.5 * float(measured(asked, ratio)["runout"]))
+
+
 def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound() -> None:
-    scene = low()
-    trajectory = run(scene).trajectory
-    short, long = measure(trajectory), measured(60.0, 0.3)
+    asked, half = aprons(0.2)
+    scene, short = low(**{"coupling.S_R": 0.2, "geometry.apron_length": half}), measured(half, 0.2)
     assert str(short["reached_side"]).split()[0] == "front" and is_bounded(str(short["reached_side"]))
     assert 3.0 < float(short["reached_side_time"]) < 15.0
-    (found,) = found_after(Run(trajectory))
+    (found,) = found_after(Run(ran(half, 0.2)))
     assert (found.code, found.severity) == ("debris-at-wall", "warning") and "lower bounds" in words(found).what
     assert "geometry.apron_length" in words(found).key
     assert [found] == debris_at_wall(scene, str(short["reached_side"]), float(short["reached_side_time"]))
-    assert long["reached_side"] == "" and np.isnan(float(long["reached_side_time"])), "60 m are enough for an S_R of 0.3"
+    free = measured(asked, 0.2)
+    assert free["reached_side"] == "" and np.isnan(float(free["reached_side_time"]))
     assert debris_at_wall(scene, "", np.nan) == []
 
 
@@ -106,7 +112,8 @@ def test_debris_that_ran_far_and_is_thin_is_told(runout: float, deposit: float, 
 
 
 def test_a_run_and_its_metrics_tell_the_same_of_thin_debris() -> None:
-    scene, trajectory = low(**{"coupling.S_R": 0.3, "geometry.apron_length": 60.0}), ran(60.0, 0.3)
+    asked, _ = aprons(0.2)
+    scene, trajectory = low(**{"coupling.S_R": 0.2, "geometry.apron_length": asked}), ran(asked, 0.2)
     values = measure(trajectory)
     assert thin_debris(scene, float(values["runout"]), float(values["deposit_thickness"])), "weak soil on a long apron runs out thin"
     assert found_after(Run(trajectory)) == after_run(scene, values)
@@ -119,12 +126,11 @@ def within(scene: Scene) -> float:
 
 @pytest.mark.parametrize("ratio", [0.2, pytest.param(0.4, marks=pytest.mark.long)])
 def test_the_room_that_is_asked_for_is_enough_and_half_of_the_run_out_is_not(ratio: float) -> None:
-    scene = low(**{"coupling.S_R": ratio})
-    free = measured(round(room_ahead(scene)), ratio)
+    asked, half = aprons(ratio)
+    free = measured(asked, ratio)
     assert "front" not in str(free["reached_side"])
-    assert 0.7 * within(scene) < float(free["runout"]) < within(scene)
-    short = measured(round(0.5 * float(free["runout"])), ratio)
-    assert "front" in str(short["reached_side"]).split()
+    assert 0.7 < float(free["runout"]) / within(low(**{"coupling.S_R": ratio})) < 1.0
+    assert "front" in str(measured(half, ratio)["reached_side"]).split()
 
 
 @pytest.mark.long

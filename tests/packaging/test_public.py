@@ -70,13 +70,6 @@ def test_public_names_are_documented_and_annotated(name: str) -> None:
     assert {function.__qualname__: lacking(function) for function in functions(name) if lacking(function)} == {}
 
 
-def test_what_lacks_would_be_seen() -> None:
-    def bare(x, y: int):  # type: ignore[no-untyped-def]
-        return x + y
-
-    assert lacking(bare) == {"docstring", "x", "return"}
-
-
 def test_a_name_that_is_not_public_is_refused() -> None:
     with pytest.raises(AttributeError, match="simulate"):
         _ = sph.simulate  # type: ignore[attr-defined]

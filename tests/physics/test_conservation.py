@@ -110,7 +110,6 @@ SCHEMES: dict[str, dict[str, Any]] = {
     "fixed": {"walls": {"sides": "fixed"}},
     "double": {"walls": {"sides": "fixed"}, "numerics": {"precision": "double"}},
     "elastic_plastic": {"walls": {"sides": "fixed"}, "coupling": {"solid_after_failure": "elastic_plastic", "gamma": 10.0}},
-    "elastic": {"walls": {"sides": "fixed"}, "coupling": {"solid_after_failure": "elastic", "gamma": 10.0}},
     "free_slip": {"walls": {"sides": "free_slip"}},
     "corrected": {"walls": {"sides": "fixed"}, "numerics": {"gradient_correction": {"min_determinant": 0.3}}},
     "no_slip": {
@@ -155,7 +154,7 @@ def collapse(scheme: str) -> dict[str, np.ndarray]:
     return {name: ds[name].values for name in ds.data_vars if ds[name].dims == ("sample",)}
 
 
-LONG = ("double", "corrected")
+LONG = ("double", "corrected", "no_slip")
 VARIANTS = pytest.mark.parametrize("scheme", [pytest.param(name, marks=pytest.mark.long) if name in LONG else name for name in SCHEMES])
 
 

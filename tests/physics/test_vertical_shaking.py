@@ -57,7 +57,10 @@ def pressed(up: float) -> xr.Dataset:
     return run(scene).trajectory
 
 
-@pytest.mark.parametrize("up", [3.0, -3.0])
+BOTH_WAYS = pytest.mark.parametrize("up", [3.0, pytest.param(-3.0, marks=pytest.mark.long)])
+
+
+@BOTH_WAYS
 def test_soil_at_rest_weighs_g_and_the_acceleration(up: float) -> None:
     # Quasi-static: stresses grow in the ratio (g + a) / g, whatever the discretisation makes of them before.
     ds = pressed(up)
@@ -69,7 +72,7 @@ def test_soil_at_rest_weighs_g_and_the_acceleration(up: float) -> None:
     assert after.mean() == pytest.approx(2000.0 * (9.81 + up) * depth.mean(), rel=0.05)
 
 
-@pytest.mark.parametrize("up", [3.0, -3.0])
+@BOTH_WAYS
 def test_the_energy_of_vertical_shaking_is_counted(up: float) -> None:
     # Heavier soil gives way downwards, lighter soil upwards: the shaking does work on both, and the budget closes to 2 % of the largest
     # energy.

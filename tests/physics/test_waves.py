@@ -103,7 +103,7 @@ def speed_on_the_lattice(scene: Scene, speed: float, stations: list[float]) -> f
 # 1.6 % at h = 1.3 m; half a percent is added for the reading of the peaks.  (A first estimate here took the mean
 # of k^2 over the power instead of the amplitude, half as much; the runs missed it at h = 2.3 m, 4.0 against 3.1 %.)
 # Against the speed on the lattice, where that lag is taken out, only reading and time step are left: 0.5 %.
-CASES = [(2.3, 0.056), (1.3, 0.021)]
+CASES = [pytest.param(2.3, 0.056, marks=pytest.mark.long), (1.3, 0.021)]
 
 
 # P: the second peak passes at 45 m, after 0.039 s; the free faces above and below reach mid-height after 55 m of travel at V_p, and the

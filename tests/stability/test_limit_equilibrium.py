@@ -158,18 +158,6 @@ def wedge(cohesion: float, angle: float, **settings: Any) -> Scene:
     return ground([[0.0, 0.0], [30.0, 0.0], [crest, 10.0], [70.0, 10.0]], -5.0, rock, seams={"joint": seam}, **settings)
 
 
-def test_a_block_on_a_seam_slides_as_a_plane_does() -> None:
-    """F = (c A + W cos(p) tan(phi)) / (W sin(p)) (Hoek and Bray 1981), with the triangle between face, seam and crest."""
-    dip, friction = math.radians(30.0), math.radians(25.0)
-    area = 0.5 * 10.0 * (10.0 / math.tan(dip) - 10.0 / math.tan(math.radians(60.0)))
-    weight, length = 25.0 * area, 10.0 / math.sin(dip)
-    for cohesion in (0.0, 20.0):
-        found = limit_equilibrium(wedge(cohesion, 25.0))
-        expected = (cohesion * length + weight * math.cos(dip) * math.tan(friction)) / (weight * math.sin(dip))
-        assert found.spencer.where == "along the seam joint"
-        assert found.spencer.value == pytest.approx(expected, rel=EXACT)
-
-
 @pytest.mark.parametrize(("cohesion", "angle"), [(0.0, 40.0), (20.0, 25.0)])
 def test_a_block_on_a_plane_yields_where_its_strength_is_used_up(cohesion: float, angle: float) -> None:
     """k = (c A + W (cos(p) tan(phi) - sin(p))) / (W (cos(p) + sin(p) tan(phi))); without cohesion tan(phi - p)."""

@@ -180,8 +180,21 @@ def test_thin_layers_have_two_rows_in_the_quick_tests() -> None:
         assert quick_spacings(scene(**{"numerics.spacing": 0.4, "layers": clay})) == pytest.approx((1.0, expected))
 
 
-@pytest.mark.long
-def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def known(monkeypatch: pytest.MonkeyPatch) -> float:
+    """Slopes that need no run: they stand, at residual strength where more than half of it is left; the cohesion at which F is 1, kPa."""
+    critical = 17.3  # as limit equilibrium has it
+
+    def trial(value: float, stands: bool) -> Trial:
+        return Trial(value, stands, 0.0 if stands else 1e3, 0.0, "complete", 0.0)
+
+    monkeypatch.setattr("sph.study.preflight.at_peak", lambda scene: Peak(trial(1.0, True), 1.0, mobilised={"soil": 0.5}))
+    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: trial(static.coupling.S_R, static.coupling.S_R > 0.5))
+    monkeypatch.setattr("sph.stability.safety.stand", lambda static, rule, value: trial(value, static.soil.cohesion > critical))
+    return critical
+
+
+def test_each_slope_and_each_residual_strength_is_tested_once(known: float, monkeypatch: pytest.MonkeyPatch) -> None:
     searched: list[Extrapolated] = []
 
     def recorded(*arguments: Any, **options: Any) -> Extrapolated:
@@ -189,7 +202,6 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
         return searched[-1]
 
     monkeypatch.setattr("sph.checks.stability.extrapolated", recorded)
-    monkeypatch.setattr("sph.study.preflight.QUICK_TOLERANCE", wide := 4.0 * QUICK_TOLERANCE)
     scenes = {f"{ratio}-{rate}": scene(**{"coupling.S_R": ratio, "coupling.gamma": rate}) for ratio in (0.3, 0.9) for rate in (1.0, 9.0)}
     said: list[str] = []
     rows = of_study(scenes, said.append, ["factor-of-safety"])
@@ -203,20 +215,28 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
         ("factor-of-safety", 4, "0.3-1.0"),
         ("limit-equilibrium", 4, "0.3-1.0"),
     ]
-    assert len(said) == 8, "a slope and the strength it uses, two residual strengths by both, a search, limit equilibrium within its error"
+    assert len(said) == 8, "a slope and the strength it uses, two residual strengths by both, a search, limit equilibrium beside it"
     (found,) = searched
     assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(UNASKED_RATIO)
-    assert all(search.upper - search.lower <= wide * search.value for search in found.searches)
+    assert all(search.upper - search.lower <= QUICK_TOLERANCE * search.value for search in found.searches)
     assert words(rows[6].finding).measured == f"{found.value:.2f} ± {found.error:.2f}, {found.how}"
 
 
-@pytest.mark.long
-def test_a_factor_within_its_error_of_one_is_a_warning() -> None:
-    slope = scene(**{"soil.cohesion": 12.0})
-    rows = of_study({"one": slope}, lambda line: None, ["factor-of-safety"])
-    (limit,) = (row.finding for row in rows if row.finding.code == "factor-of-safety")
-    value, error = limit.numbers["value"], limit.numbers["error"]
-    assert (limit.severity == Severity.WARNING) == (value - error < 1.0) == bool(limit.keys)
+def test_each_slope_is_searched_and_a_factor_within_its_error_of_one_is_a_warning(known: float) -> None:
+    scenes = {f"{cohesion}": scene(**{"soil.cohesion": cohesion}) for cohesion in (18.0, 40.0)}
+    rows = [row for row in of_study(scenes, lambda line: None, ["factor-of-safety"]) if row.finding.code == "factor-of-safety"]
+    assert [row.worst_run for row in rows] == ["18.0", "40.0"]
+    for row, near in zip(rows, (True, False), strict=True):
+        value, error = row.finding.numbers["value"], row.finding.numbers["error"]
+        assert value == pytest.approx(float(row.worst_run) / known, abs=error)
+        assert (row.finding.severity == Severity.WARNING) == near == (value - error < 1.0) == bool(row.finding.keys)
+
+
+def test_slopes_that_are_not_searched_are_told(known: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(standing_scene(scene()), DEFAULT_RULE)).seconds)
+    scenes = {f"{ratio}": scene(**{"coupling.S_R": ratio, "soil.cohesion": 25.0 if ratio < 0.5 else 40.0}) for ratio in (0.3, 0.9)}
+    rows = of_study(scenes, lambda line: None, [])
+    assert ("stability-unknown", "0.9") in {(row.finding.code, row.worst_run) for row in rows}
 
 
 @pytest.mark.long
@@ -227,22 +247,6 @@ def test_the_first_screen_is_not_on_the_unsafe_side() -> None:
     for code, find in (("factor-of-safety", factor_of_safety), ("yield-acceleration", yield_acceleration)):
         closer = extrapolated(find, slope)
         assert abs(rows[code]["value"] - closer.value) <= rows[code]["error"] + closer.error, (code, rows[code], closer)
-
-
-@pytest.mark.long
-def test_each_slope_is_searched() -> None:
-    scenes = {f"{cohesion}": scene(**{"soil.cohesion": cohesion}) for cohesion in (25.0, 40.0)}
-    rows = [row for row in of_study(scenes, lambda line: None, ["factor-of-safety"]) if row.finding.code == "factor-of-safety"]
-    weak, strong = (row.finding.numbers["value"] for row in rows)
-    assert [row.worst_run for row in rows] == ["25.0", "40.0"] and 1.0 < weak < strong
-
-
-@pytest.mark.long
-def test_slopes_that_are_not_searched_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(standing_scene(scene()), DEFAULT_RULE)).seconds)
-    scenes = {f"{ratio}": scene(**{"coupling.S_R": ratio, "soil.cohesion": 25.0 if ratio < 0.5 else 40.0}) for ratio in (0.3, 0.9)}
-    rows = of_study(scenes, lambda line: None, [])
-    assert ("stability-unknown", "0.9") in {(row.finding.code, row.worst_run) for row in rows}
 
 
 @pytest.mark.long
