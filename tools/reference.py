@@ -31,8 +31,8 @@ from sph.command.schema import MODELS, schema_file, schema_text
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.sensitivity.back_analysis import BACK_ANALYSIS, MEASURED, PREDICTED
-from sph.experiments.sensitivity.design import SAMPLE
 from sph.experiments.sensitivity.elementary_effects import MORRIS
+from sph.experiments.sensitivity.schema import SAMPLE
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
 from sph.experiments.trigger.annual import annual_columns

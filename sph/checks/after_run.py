@@ -83,15 +83,15 @@ def liquefied(run: Run) -> list[Finding]:
     scene = run.scene
     if scene.water is None or scene.water.excess_pressure is None or scene.water.excess_pressure.liquefaction is None:
         return []
-    found, layer = [], run["layer"]
+    findings, layer = [], run["layer"]
     sand = can_liquefy(scene, run["x0"], run["y0"], layer) & run.soil
     for number, name in enumerate((scene.soil.name or "soil", *scene.layers)):
         times = run["t_f"][sand & (layer == number)]
         failed = times[np.isfinite(times)]
         if failed.size:
             first, middle = float(failed.min()), float(np.median(failed))
-            found.append(finding("liquefied", subject=name, share=failed.size / times.size, first=first, middle=middle))
-    return found
+            findings.append(finding("liquefied", subject=name, share=failed.size / times.size, first=first, middle=middle))
+    return findings
 
 
 def after_run(scene: Scene, values: Mapping[str, Value]) -> list[Finding]:

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.geometry import SLOPES, Bodies
-from sph.scene.layers import DepthRegion, ElevationRegion, Region
 from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
 from sph.solver.physics.interface import soil_numbers
+from sph.stability.slip_surface import sides_of
 
 RUN_OUT_BY_ROWS: dict[str, dict[float, float]] = {
     "weaker": {1: 0.0, 2: 0.73, 3: 0.98, 4: 1.0},
@@ -91,7 +91,7 @@ def covers(scene: Scene) -> list[Cover]:
     (toe, _), (crest, _) = geometry.toe, geometry.crest
     inside = (column > toe) & (column < crest + geometry.slope_height)
     there = [int(np.count_nonzero(((number == each) & (thickness > 0.0)).any(axis=0) & inside)) for each in range(len(soils))]
-    found: dict[int, list[tuple[float, int, bool]]] = {}
+    columns: dict[int, list[tuple[float, int, bool]]] = {}
     for parts, numbers in zip(thickness.T[inside], number.T[inside], strict=True):
         column_parts = [(part, each) for part, each in zip(parts[::-1], numbers[::-1], strict=True) if part > 0.0]  # from the ground down
         beds = [list(bed) for _, bed in groupby(column_parts, key=lambda pair: kinds[pair[1]])]
@@ -101,9 +101,9 @@ def covers(scene: Scene) -> list[Cover]:
             under = above is not None and strength(above, 0.0, weight) >= STRONGER * strength(first, 0.0, weight)
             weight += scene.gravity.acceleration * sum(part * soils[each].density for part, each in bed)
             if below is not None and strength(below[0][1], 0.0, weight) >= STRONGER * strength(last, depth, weight):
-                found.setdefault(last, []).append((depth, below[0][1], under))
+                columns.setdefault(last, []).append((depth, below[0][1], under))
             above = last
-    return [_cover(scene, names, each, found[each]) for each in sorted(found) if 2 * len(found[each]) > there[each]]
+    return [_cover(scene, names, each, columns[each]) for each in sorted(columns) if 2 * len(columns[each]) > there[each]]
 
 
 def _cover(scene: Scene, names: tuple[str, ...], number: int, columns: list[tuple[float, int, bool]]) -> Cover:
@@ -131,24 +131,10 @@ def strata(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     ground = geometry.ground(column)
     x, top = geometry.in_survey(column, ground)
     base = geometry.in_survey(column, np.zeros_like(column))[1]
-    crossed = [side for layer in scene.layers.values() for side in _sides(layer.region, x, top)]
+    crossed = [side for layer in scene.layers.values() for side in sides_of(layer.region, x, top)]
     heights = np.sort([base, top, *(np.clip(np.nan_to_num(side, nan=base[0]), base, top) for side in crossed)], axis=0)
     middle = 0.5 * (heights[1:] + heights[:-1])
     number = np.zeros(middle.shape, int)
     for index, layer in enumerate(scene.layers.values(), 1):
         number[layer.region.contains(np.broadcast_to(x, middle.shape), middle, np.broadcast_to(top, middle.shape))] = index
     return column, np.diff(heights, axis=0), number
-
-
-def _sides(region: Region, x: np.ndarray, ground: np.ndarray) -> list[np.ndarray]:
-    """Heights (n,) at which a region begins or ends at places x (n,) below a ground (n,), m; NaN where a side of a polygon is not."""
-    if isinstance(region, DepthRegion):
-        return [ground - depth for depth in (region.top, region.bottom) if depth is not None]
-    if isinstance(region, ElevationRegion):
-        return [np.full_like(x, height) for height in (region.bottom, region.top) if height is not None]
-    found = []
-    for (x1, y1), (x2, y2) in zip(region.outline, np.roll(region.outline, -1, axis=0), strict=True):
-        if x1 != x2:
-            share = (x - x1) / (x2 - x1)
-            found.append(np.where((share >= 0.0) & (share <= 1.0), y1 + share * (y2 - y1), np.nan))
-    return found

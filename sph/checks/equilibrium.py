@@ -23,60 +23,54 @@ MIN_GROUND = 0.5
 
 def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
     """Limit equilibrium of a scene's slope; None where it does not apply, or finds no surface."""
-    found = limit_equilibrium(scene) if applies(scene) else None
-    return found if found is not None and found.spencer.value < float("inf") else None
+    equilibrium = limit_equilibrium(scene) if applies(scene) else None
+    return equilibrium if equilibrium is not None and equilibrium.spencer.value < float("inf") else None
 
 
-def equilibrium_numbers(found: LimitEquilibrium) -> dict[str, Any]:
+def equilibrium_numbers(equilibrium: LimitEquilibrium) -> dict[str, Any]:
     """Factors of safety ``bishop`` and ``spencer`` and the yield acceleration ``critical`` (m/s2), where there are any, each with the kind
     of its surface and the depth of its tension crack (m)."""
     numbers: dict[str, Any] = {}
     for name, scale in (("bishop", 1.0), ("spencer", 1.0), ("critical", GRAVITY)):
-        surface: Surface = getattr(found, name)
+        surface: Surface = getattr(equilibrium, name)
         if surface.where and math.isfinite(surface.value):
             value = surface.value if name != "critical" else max(surface.value, 0.0)
             numbers |= {name: scale * value, f"{name}_surface": surface.where, f"{name}_crack": surface.crack}
     return numbers
 
 
-def without_surface(scene: Scene, found: LimitEquilibrium | None) -> list[Finding]:
+def without_surface(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Finding]:
     """The finding of a slope in which no surface slides: too strong, or with too little ground for one to end on."""
-    if found is not None or not applies(scene):
+    if equilibrium is not None or not applies(scene):
         return []
     if scene.geometry.width - scene.geometry.crest[0] >= MIN_GROUND * slope_height(scene):
         return [finding("stability-unknown", subject="limit-equilibrium")]
-    return [finding("stability-unknown", _crest_key(scene), subject="limit-equilibrium", heights=MIN_GROUND)]
-
-
-def _crest_key(scene: Scene) -> str:
-    return "geometry.points" if isinstance(scene.geometry, GroundLine) else "geometry.crest_length"
+    crest = "geometry.points" if isinstance(scene.geometry, GroundLine) else "geometry.crest_length"
+    return [finding("stability-unknown", crest, subject="limit-equilibrium", heights=MIN_GROUND)]
 
 
 def of_equilibrium(scene: Scene, limits: Iterable[Finding] = ()) -> list[Finding]:
     """A note of both methods, and a finding where a factor of safety among ``limits`` differs from Spencer's by more than its error."""
-    found = found_equilibrium(scene)
-    if found is None:
-        return without_surface(scene, found)
-    told = [finding("limit-equilibrium", **equilibrium_numbers(found)), *slip_at_base(scene, found)]
+    equilibrium = found_equilibrium(scene)
+    if equilibrium is None:
+        return without_surface(scene, equilibrium)
+    told = [finding("limit-equilibrium", **equilibrium_numbers(equilibrium)), *slip_at_base(scene, equilibrium)]
     for value, error in ((of.numbers["value"], of.numbers["error"]) for of in limits if of.code == "factor-of-safety"):
-        spencer = found.spencer.value
+        spencer = equilibrium.spencer.value
         if abs(value / spencer - 1.0) > max(MAX_DIFFERENCE, error / spencer):
-            reasons = _reasons(scene, found, value / spencer - 1.0)
+            reasons = _reasons(scene, equilibrium, value / spencer - 1.0)
             told.append(finding("limit-equilibrium-differs", value=value, error=error, bound=spencer, **reasons))
     return told
 
 
-def slip_at_base(scene: Scene, found: LimitEquilibrium | None) -> list[Finding]:
+def slip_at_base(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Finding]:
     """The finding of a slip surface that ends at an absorbing base with, by the scene, the same soil below it."""
-    if found is None or not scene.walls.kinds.base.absorbs or scene.walls.bedrock is not None:
+    if equilibrium is None or not scene.walls.kinds.base.absorbs or scene.walls.bedrock is not None:
         return []
-    lowest = {name: float(surface.y.min()) for name, surface in found._asdict().items() if surface.y.size}
+    lowest = {name: float(surface.y.min()) for name, surface in equilibrium._asdict().items() if surface.y.size}
     reach: dict[str, Any] = {name: height for name, height in lowest.items() if height < scene.numerics.spacing}
-    return [finding("slip-at-base", _base_key(scene), "walls.bedrock", **reach)] if reach else []
-
-
-def _base_key(scene: Scene) -> str:
-    return "geometry.base" if isinstance(scene.geometry, GroundLine) else "geometry.base_depth"
+    base = "geometry.base" if isinstance(scene.geometry, GroundLine) else "geometry.base_depth"
+    return [finding("slip-at-base", base, "walls.bedrock", **reach)] if reach else []
 
 
 def of_residual(scene: Scene) -> list[Finding]:
@@ -86,18 +80,20 @@ def of_residual(scene: Scene) -> list[Finding]:
         cohesion, friction = seam.residual if seam.slip_at_residual is not None else seam.peak
         kept = {"cohesion": 1e-3 * cohesion, "friction_angle": math.degrees(math.atan(friction))}
         seams[name] = seam.model_copy(update=kept)
-    found = found_equilibrium(weakened(scene, scene.coupling.S_R).model_copy(update={"seams": seams}))
-    return [] if found is None else [finding("limit-equilibrium-residual", **equilibrium_numbers(found))]
+    equilibrium = found_equilibrium(weakened(scene, scene.coupling.S_R).model_copy(update={"seams": seams}))
+    return [] if equilibrium is None else [finding("limit-equilibrium-residual", **equilibrium_numbers(equilibrium))]
 
 
-def _reasons(scene: Scene, found: LimitEquilibrium, difference: float) -> dict[str, Any]:
+def _reasons(scene: Scene, equilibrium: LimitEquilibrium, difference: float) -> dict[str, Any]:
     """Names of why the two can differ as they do in this scene (``sph.checks.messages.REASONS``), and the layers that are thin."""
     loose = any(soil.friction_angle > soil.dilation_angle for soil in scene.soils)
     thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < MIN_IN_LAYER]
-    bent = found.spencer.where == "line" and found.spencer.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
+    bent = (
+        equilibrium.spencer.where == "line" and equilibrium.spencer.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
+    )
     reasons = {
         "dilation": difference < 0 and loose,
-        "crack": difference > 0 and found.spencer.crack > 0,
+        "crack": difference > 0 and equilibrium.spencer.crack > 0,
         "thin": difference > 0 and bool(thin),
         "spacing": difference > 0,
         "deforms": difference > 0 and bent,

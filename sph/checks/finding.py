@@ -147,18 +147,18 @@ def finding(code: str, *keys: str, subject: str = "", **numbers: Any) -> Finding
     return Finding(code, keys, subject, given)
 
 
-def called(found: Iterable[Finding], name: str | None) -> list[Finding]:
+def called(findings: Iterable[Finding], name: str | None) -> list[Finding]:
     """Findings in which the scene's own soil, which is ``soil`` in keys, has its name (``soil.name``); as they are where it has none."""
 
     def own(value: Any) -> Any:
         return name if value == "soil" else value
 
     if not name:
-        return list(found)
-    return [replace(each, subject=own(each.subject), numbers={key: own(value) for key, value in each.numbers.items()}) for each in found]
+        return list(findings)
+    return [replace(each, subject=own(each.subject), numbers={key: own(value) for key, value in each.numbers.items()}) for each in findings]
 
 
-def codes(found: Iterable[Finding]) -> str:
+def codes(findings: Iterable[Finding]) -> str:
     """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``SEVERITIES``."""
-    there = {each.code for each in found}
+    there = {each.code for each in findings}
     return to_json([code for code in SEVERITIES if code in there])

@@ -55,29 +55,29 @@ class Needed(NamedTuple):
 
 def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
     """The materials with their particles."""
-    found = []
+    layers = []
     for number, (name, soil) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
         counts = _in_columns(scene, particles, number)
         columns = counts[counts > 0]
-        found.append(Layer(name, soil, int(columns.sum()), float(np.percentile(columns, 25)) if columns.size else 0.0))
-    return found
+        layers.append(Layer(name, soil, int(columns.sum()), float(np.percentile(columns, 25)) if columns.size else 0.0))
+    return layers
 
 
 def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
     """A finding for each layer that is thin, an error instead for each that its particles do not make continuous, and for each weak soil
     on stronger ground what its rows of particles do to its run-out."""
-    found, cut = [], broken(scene, particles)
+    others, cut = [], broken(scene, particles)
     left_out = {each.subject for each in cut}
     weak = [cover for cover in covers(scene) if cover.name not in left_out]
     left_out |= {cover.name for cover in weak}
     if scene.numerics.interfaces == "both" and not weak and len(set(soil_numbers(scene))) > 1:
         rows = min(layer.thickness for layer in layers_of(scene, particles))
-        found.append(finding("weak-on-strong", "numerics.interfaces", rows=rows, both=True))
+        others.append(finding("weak-on-strong", "numerics.interfaces", rows=rows, both=True))
     for layer in layers_of(scene, particles):
         if layer.thickness < MIN_IN_LAYER and layer.name not in left_out:
             keys = ("numerics.spacing", *([f"layers.{layer.name}.region"] if layer.name in scene.layers else []))
-            found.append(finding("thin-layer", *keys, subject=layer.name, value=layer.thickness, bound=MIN_IN_LAYER))
-    return cut + [of_cover(cover, scene) for cover in weak] + found
+            others.append(finding("thin-layer", *keys, subject=layer.name, value=layer.thickness, bound=MIN_IN_LAYER))
+    return cut + [of_cover(cover, scene) for cover in weak] + others
 
 
 def needed_rows(scene: Scene, particles: Particles) -> list[Needed]:
@@ -116,7 +116,7 @@ def of_cover(cover: Cover, scene: Scene) -> Finding:
 def broken(scene: Scene, particles: Particles) -> list[Finding]:
     """An error for each layer that is continuous in the scene and not in its particles, where weak soil has no slip surface."""
     dx = scene.numerics.spacing
-    found = []
+    findings = []
     for name, section in sections(scene, particles).items():
         there, filled = section.thickness > 0.0, section.particles > 0
         if _is_continuous(section, dx):
@@ -126,34 +126,34 @@ def broken(scene: Scene, particles: Particles) -> list[Finding]:
         share = {"value": min(columns / crossed, thickness / dx), "bound": 1.0} if crossed else {}
         numbers = {"particles": int(section.particles.sum()), "columns": columns, "crossed": crossed, "thickness": thickness, "spacing": dx}
         keys = ("numerics.spacing", f"layers.{name}.region", f"seams.{name}")
-        found.append(finding("layer-broken", *keys, subject=name, **share, **numbers))
-    return found
+        findings.append(finding("layer-broken", *keys, subject=name, **share, **numbers))
+    return findings
 
 
 def seam_rows(scene: Scene, particles: Particles) -> list[tuple[str, str]]:
     """Name of each seam and, in words, how long it is in the soil, how many rows of particles it is made of, and its logged thickness."""
     side, _, _ = seam_sides(scene, particles)
-    found = []
+    told = []
     for number, (name, seam) in enumerate(scene.seams.items(), 1):
         length, on_it = scene.length_in_soil(seam), int(np.count_nonzero(np.abs(side[: particles.n_soil]) == number))
         rows = on_it * scene.numerics.spacing / length
         logged = (
             "no thickness given" if seam.thickness is None else f"thickness {seam.thickness:g} m as logged (not used in the computation)"
         )
-        found.append((name, f"{length:.3g} m in the soil, {rows:.2g} rows of particles ({on_it:,}) slide along it; {logged}"))
-    return found
+        told.append((name, f"{length:.3g} m in the soil, {rows:.2g} rows of particles ({on_it:,}) slide along it; {logged}"))
+    return told
 
 
 def broken_at(scene: Scene, spacings: Iterable[float]) -> list[Finding]:
     """Layers that are continuous at the scene's spacing and broken at others (m), as searches of its stability take them; each once."""
     there = {each.subject for each in broken(scene, place_particles(scene))}
-    found: dict[str, Finding] = {}
+    by_layer: dict[str, Finding] = {}
     for spacing in spacings:
         other = scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
         for each in broken(other, place_particles(other)):
             if each.subject not in there:
-                found.setdefault(each.subject, each)
-    return list(found.values())
+                by_layer.setdefault(each.subject, each)
+    return list(by_layer.values())
 
 
 def _is_continuous(section: Section, spacing: float) -> bool:

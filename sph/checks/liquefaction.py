@@ -39,7 +39,7 @@ def factors(scene: Scene, particles: Particles, magnitude: float) -> list[Factor
         return []
     sand = can_liquefy(scene, x, y, layer)
     strength, reached = peak_strength(scene, particles)[0, soil], (depth <= LARGEST_DEPTH) & (effective > 0.0)
-    found = []
+    by_layer = []
     for number, (name, of) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
         is_clay = of.friction_angle == 0.0
         there = np.flatnonzero((layer == number) & reached & (sand | is_clay))
@@ -50,8 +50,8 @@ def factors(scene: Scene, particles: Particles, magnitude: float) -> list[Factor
             resistance = clay_resistance(strength[there] / effective[there], magnitude)
         else:
             resistance = sand_resistance(of.clean_sand_blow_count, magnitude, effective[there])
-        found.append(Factors(name, is_clay, depth[there], resistance / stress))
-    return found
+        by_layer.append(Factors(name, is_clay, depth[there], resistance / stress))
+    return by_layer
 
 
 def peak_of(scene: Scene) -> float:
@@ -61,10 +61,10 @@ def peak_of(scene: Scene) -> float:
 
 def of_liquefaction(scene: Scene, particles: Particles, magnitude: float) -> list[Finding]:
     """The least factor of safety of each layer (``factors``)."""
-    found = []
+    findings = []
     for layer, is_clay, depth, safety in factors(scene, particles, magnitude):
         worst = int(np.argmin(safety))
         numbers = {"value": float(safety[worst]), "bound": 1.0, "depth": float(depth[worst]), "share": float(np.mean(safety < 1.0))}
         numbers |= {"magnitude": magnitude, "peak": peak_of(scene)}
-        found.append(finding("cyclic-softening" if is_clay else "liquefaction", subject=layer, **numbers))
-    return called(found, scene.soil.name)
+        findings.append(finding("cyclic-softening" if is_clay else "liquefaction", subject=layer, **numbers))
+    return called(findings, scene.soil.name)

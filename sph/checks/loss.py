@@ -36,13 +36,13 @@ def of_loss(scene: Scene) -> list[Finding]:
     if not scene.coupling.softens_by_slip:
         told = finding("lost-by-time", "coupling.softening.slip_at_residual", value=rate)
         return [told] if scene.scheme != "paper" and rate > 0 else []
-    found = [finding("lost-by-time", key, value=rate, bound=0.0)] if rate > 0 else []
+    findings = [finding("lost-by-time", key, value=rate, bound=0.0)] if rate > 0 else []
     length, name = min((slip_zone(scene, material), material.name) for material in scene.materials)
     bound = MIN_ZONE * slope_height(scene)
     if length < bound:
         key = "coupling.softening.slip_at_residual"
-        found.append(finding("progressive-failure", key, subject=name, value=length, bound=bound, heights=MIN_ZONE))
-    return found
+        findings.append(finding("progressive-failure", key, subject=name, value=length, bound=bound, heights=MIN_ZONE))
+    return findings
 
 
 def of_softening(scene: Scene) -> list[Finding]:

@@ -165,10 +165,10 @@ def _surface(of: Numbers, name: str) -> str:
     return words if not of[f"{name}_crack"] else f"{words}, with a tension crack of {of[f'{name}_crack']:.2g} m"
 
 
-def braked_words(found: Finding) -> str:
+def braked_words(of: Finding) -> str:
     """The rows of particles of weak soil that stronger ground brakes, ``weak-on-strong``, or holds, ``layer-held``."""
-    rows = found.numbers["value" if found.code == "layer-held" else "rows"]
-    return f"{rows:.2g} rows of particles in {found.subject or 'the thinnest soil'}"
+    rows = of.numbers["value" if of.code == "layer-held" else "rows"]
+    return f"{rows:.2g} rows of particles in {of.subject or 'the thinnest soil'}"
 
 
 def factor_words(of: Numbers) -> str:

@@ -82,8 +82,8 @@ def frequency_rows(scene: Scene) -> list[tuple[str, str]]:
     if isinstance(geometry, Bodies):
         return []
     places = {"crest edge": geometry.crest} | ({"toe": geometry.toe} if isinstance(geometry, SLOPES) else {})
-    found = {name: natural_frequency(scene, place) for name, place in places.items()}
-    told = [f"{frequency:.3g} Hz below the {name}" for name, frequency in found.items() if math.isfinite(frequency)]
+    frequencies = {name: natural_frequency(scene, place) for name, place in places.items()}
+    told = [f"{frequency:.3g} Hz below the {name}" for name, frequency in frequencies.items() if math.isfinite(frequency)]
     rows = [("column frequency", f"{', '.join(told)}: first mode of the layers down to the base of the model, held there")]
     column = column_at(scene, geometry.crest)
     below = impedance_below(scene, column)
@@ -92,7 +92,7 @@ def frequency_rows(scene: Scene) -> list[tuple[str, str]]:
         words = f"{peak.frequency:.3g} Hz, {peak.amplification:.3g} times, undamped" if peak else NO_PEAK
         rows.append(("resonance over the half-space", words))
     if scene.damping is not None and scene.damping.ratio > 0.0:
-        frequency = found["crest edge"]
+        frequency = frequencies["crest edge"]
         low, high = scene.damping.frequencies
         words = f"{scene.damping.ratio:.3g} at {low:g} and {high:g} Hz, {scene.damping.at(frequency):.3g} at the {frequency:.3g} Hz"
         rows.append(("damping ratio", f"{words} of the column below the crest edge"))
@@ -170,17 +170,17 @@ def drifting(motion: GroundMotion, *keys: str) -> list[Finding]:
     displacement = scipy.integrate.cumulative_trapezoid(velocity, time, initial=0.0)
     largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
     furthest, lasting = float(np.abs(displacement).max()), abs(float(displacement[-1]))
-    found, bound = [], MAX_DRIFT * largest
+    findings, bound = [], MAX_DRIFT * largest
     if last > bound:
         mean = last / float(time[-1] - time[0])
-        found.append(
+        findings.append(
             finding("record-offset" if mean > MAX_OFFSET * motion.peak else "record-drift", *keys, value=last, bound=bound, mean=mean)
         )
     if furthest > MAX_DISPLACEMENT:
-        found.append(finding("record-displacement", *keys, value=furthest, bound=MAX_DISPLACEMENT))
+        findings.append(finding("record-displacement", *keys, value=furthest, bound=MAX_DISPLACEMENT))
     elif lasting > max(LASTING * furthest, MIN_LASTING):
-        found.append(finding("record-lasting", *keys, value=lasting, peak=furthest))
-    return found
+        findings.append(finding("record-lasting", *keys, value=lasting, peak=furthest))
+    return findings
 
 
 def one_sided(motion: GroundMotion, *keys: str) -> list[Finding]:

@@ -73,7 +73,7 @@ def growth_words(soil: Soil, part: float = 1.0) -> str:
 
 def strengths(scene: Scene) -> list[tuple[str, str]]:
     """Name and strength of the scene's own soil, every layer and every seam: at the peak and what is left, with S_R and gamma or slip."""
-    found = []
+    rows = []
     for material in scene.materials:
         name, soil, rate, softening = material.name, material.soil, material.gamma, material.softening
         lost = [f"gamma = {rate:g} 1/s"]
@@ -85,7 +85,7 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
             f"c = {cohesion:.4g} kPa{growth_words(soil, part)}, phi = {angle:.4g} degree"
             for (cohesion, angle), part in zip(told, kept, strict=True)
         )
-        found.append((name, f"peak {peak}; residual {residual} ({', '.join([f'S_R = {material.S_R:g}'] * material.uses_S_R + lost)})"))
+        rows.append((name, f"peak {peak}; residual {residual} ({', '.join([f'S_R = {material.S_R:g}'] * material.uses_S_R + lost)})"))
     for name, seam in scene.seams.items():
         words = f"peak c = {seam.cohesion:.4g} kPa, phi = {seam.friction_angle:.4g} degree"
         if seam.slip_at_residual is not None:
@@ -94,8 +94,8 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
             words += (
                 f"; residual c = {1e-3 * cohesion:.4g} kPa, phi = {angle:.4g} degree (after {1e3 * seam.slip_at_residual:g} mm of slip)"
             )
-        found.append((f"seam {name}", words if seam.slip_at_residual is not None else f"{words}, not lost"))
-    return found
+        rows.append((f"seam {name}", words if seam.slip_at_residual is not None else f"{words}, not lost"))
+    return rows
 
 
 def choices(scene: Scene) -> list[tuple[str, str]]:
@@ -151,15 +151,15 @@ def of_choices(scene: Scene) -> list[Finding]:
     """Findings of what stands in a scene until somebody decides it; the paper's scheme takes its choices from the paper."""
     if scene.scheme == "paper":
         return []
-    found = []
+    result = []
     same = all(math.isclose(getattr(scene.soil, name), value, rel_tol=1e-6) for name, value in PLACEHOLDER_SOIL.items())
     if same or scene.title.endswith(PLACEHOLDER):
-        found.append(finding("soil-not-replaced", "soil", "title", values=same))
+        result.append(finding("soil-not-replaced", "soil", "title", values=same))
     if _is_rigid(scene) and highest_frequency(scene):
-        found.append(finding("rigid-box", "walls.base", "walls.sides", base=scene.walls.base, sides=scene.walls.sides))
+        result.append(finding("rigid-box", "walls.base", "walls.sides", base=scene.walls.base, sides=scene.walls.sides))
     if any(soil.friction_angle > 0 and soil.dilation_angle == 0 for soil in scene.soils):
-        found.append(finding("no-dilation", "soil.dilation_angle"))
-    return found
+        result.append(finding("no-dilation", "soil.dilation_angle"))
+    return result
 
 
 def water_rows(scene: Scene) -> list[tuple[str, str]]:
@@ -215,7 +215,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
     """
     particles = particles or place_particles(scene)
     check_at_rest(scene, particles)
-    found = (
+    result = (
         of_choices(scene)
         + of_soils(scene)
         + of_rest(scene, particles)
@@ -233,7 +233,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + _series(scene)
         + _step(scene)
     )
-    return sorted(called(found, scene.soil.name), key=lambda each: each.rank)
+    return sorted(called(result, scene.soil.name), key=lambda each: each.rank)
 
 
 def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
@@ -248,32 +248,32 @@ def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
 
 
 def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
-    found = []
+    result = []
     height, (toe_x, _), (crest_x, _) = geometry.slope_height, geometry.toe, geometry.crest
     survey = ("geometry.window", "geometry.points") if isinstance(geometry, GroundLine) else ()
     across = height / scene.numerics.spacing
     if across < MIN_IN_HEIGHT * (1 - 1e-9):
-        found.append(finding("few-particles", "numerics.spacing", value=across, bound=MIN_IN_HEIGHT, height=height))
+        result.append(finding("few-particles", "numerics.spacing", value=across, bound=MIN_IN_HEIGHT, height=height))
     behind = geometry.width - crest_x
     if behind < ROOM_BEHIND * height:
-        found.append(finding("back-wall", *survey or ["geometry.crest_length"], value=behind, bound=ROOM_BEHIND * height))
+        result.append(finding("back-wall", *survey or ["geometry.crest_length"], value=behind, bound=ROOM_BEHIND * height))
     room = room_ahead(scene)
     if toe_x < room * (1 - 1e-9):
-        found.append(finding("little-room", *survey or ["geometry.apron_length"], value=toe_x, bound=room, heights=room / height))
+        result.append(finding("little-room", *survey or ["geometry.apron_length"], value=toe_x, bound=room, heights=room / height))
     if isinstance(geometry, GroundLine):
-        found += to_side(geometry)
+        result += to_side(geometry)
         x, y = (np.array(side) for side in geometry.surface)
         (_, low), (_, high) = largest_climb(np.column_stack([-x, y])[::-1], 0.0)
         if high - low > height:
             other = "right" if geometry.downhill == "left" else "left"
             keys = (f"geometry.downhill={other}", "geometry.window")
-            found.append(finding("other-slope", *keys, value=height, bound=high - low, downhill=geometry.downhill, other=other))
-    return found
+            result.append(finding("other-slope", *keys, value=height, bound=high - low, downhill=geometry.downhill, other=other))
+    return result
 
 
 def to_side(geometry: GroundLine) -> list[Finding]:
     """A finding where the slope's crest or toe is the end of the ground, with that of a steeper face where there is one."""
-    found, face = [], geometry.steeper_face
+    result, face = [], geometry.steeper_face
     ends = (("crest", geometry.crest_at, geometry.crest, geometry.width, 1), ("toe", geometry.toe_at, geometry.toe, 0.0, 0))
     for name, chosen, place, end, side in ends:
         if chosen is not None or place[0] != end:
@@ -284,8 +284,8 @@ def to_side(geometry: GroundLine) -> list[Finding]:
             x, y = geometry.in_survey(*face[side])
             numbers |= {"other_x": x, "other_y": y, "other_height": geometry.slope_height - abs(face[side][1] - place[1])}
             keys = (f"geometry.{name}_at=[{x:.10g}, {y:.10g}]",)
-        found.append(finding("slope-to-side", *keys, subject=name, height=geometry.slope_height, **numbers))
-    return found
+        result.append(finding("slope-to-side", *keys, subject=name, height=geometry.slope_height, **numbers))
+    return result
 
 
 def reach(scene: Scene) -> float:
@@ -352,14 +352,14 @@ def thin_box(scene: Scene) -> list[Finding]:
 
 def of_variation(scene: Scene) -> list[Finding]:
     """Random fields over correlation lengths shorter than the kernel's reach, within which particles move as one."""
-    found, reach = [], 2 * scene.numerics.smoothing_length
+    result, reach = [], 2 * scene.numerics.smoothing_length
     for variable in scene.varying:
         assert variable.field is not None
         shortest = min(variable.field.horizontal_length, variable.field.vertical_length)
         if shortest < reach * (1 - 1e-9):
             keys = ("numerics.spacing", "uncertain.variables")
-            found.append(finding("short-correlation", *keys, subject=variable.of, value=shortest, bound=reach))
-    return found
+            result.append(finding("short-correlation", *keys, subject=variable.of, value=shortest, bound=reach))
+    return result
 
 
 def level_ground(scene: Scene, particles: Particles) -> tuple[float, float]:

@@ -75,7 +75,7 @@ def of_rest(scene: Scene, particles: Particles) -> list[Finding]:
     free = scene.coupling.initial_state == "solid" and scene.prescribed_velocity_gradient is None
     if not (level and free and isinstance(geometry, SLOPES)):
         return []
-    soil, found = slice(0, particles.n_soil), []
+    soil, findings = slice(0, particles.n_soil), []
     shares, depth = at_rest(scene, particles), geometry.ground(particles.x[soil]) - particles.y[soil]
     for number, (name, its) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
         near = (particles.layer[soil] == number) & (shares >= USED_UP)
@@ -85,8 +85,8 @@ def of_rest(scene: Scene, particles: Particles) -> list[Finding]:
             ratio = its.poisson_ratio if its.K0 is None else None
             keys = () if ratio is None else ("poisson_ratio",)
             held = _held_at_rest(scene, particles, worst)
-            found.append(mobilised_strength(name, float(shares[worst]), *keys, **numbers, poisson_ratio=ratio, held_K0=held))
-    return found
+            findings.append(mobilised_strength(name, float(shares[worst]), *keys, **numbers, poisson_ratio=ratio, held_K0=held))
+    return findings
 
 
 def _held_at_rest(scene: Scene, particles: Particles, i: int) -> float:
@@ -142,15 +142,15 @@ def _of_angle(name: str, key: str, angle: float, least: float) -> Finding:
 
 def _of_strength(name: str, path: str, values: Mapping[str, float]) -> list[Finding]:
     """Of the angles (degree) and cohesions (kPa) of soil or a seam that lies at a dotted key."""
-    found = []
+    findings = []
     for each, value in values.items():
         key = f"{path}.{each}"
         if each.endswith("_angle") and 0.0 < value <= MAX_TANGENT:
-            found.append(_of_angle(name, key, value, MAX_TANGENT))
+            findings.append(_of_angle(name, key, value, MAX_TANGENT))
         elif each.endswith("cohesion") and value and not COHESIONS[0] <= value <= COHESIONS[1]:
             bound = COHESIONS[0 if value < COHESIONS[0] else 1]
-            found.append(finding("cohesion-implausible", key, subject=name, value=1e3 * value, bound=1e3 * bound))
-    return found
+            findings.append(finding("cohesion-implausible", key, subject=name, value=1e3 * value, bound=1e3 * bound))
+    return findings
 
 
 def _beyond(code: str, key: str, name: str, value: float, usual: tuple[float, float], **numbers: float) -> list[Finding]:
@@ -164,16 +164,16 @@ def _beyond(code: str, key: str, name: str, value: float, usual: tuple[float, fl
 
 def _of_soil(name: str, path: str, soil: Soil) -> list[Finding]:
     """Of the soil that lies at a dotted key."""
-    found = _beyond("density-implausible", f"{path}.density", name, soil.density, DENSITIES)
+    findings = _beyond("density-implausible", f"{path}.density", name, soil.density, DENSITIES)
     stiffness = {"youngs_modulus": 1e3 * soil.youngs_modulus}
-    found += _beyond("stiffness-implausible", f"{path}.youngs_modulus", name, soil.s_wave_speed, WAVE_SPEEDS, **stiffness)
+    findings += _beyond("stiffness-implausible", f"{path}.youngs_modulus", name, soil.s_wave_speed, WAVE_SPEEDS, **stiffness)
     strengths = {key: value for key, value in soil if isinstance(value, float)}
     if soil.gradient and soil.cohesion < COHESIONS[0]:
         strengths.pop("cohesion")  # at the top, below which it grows
-    found += _of_strength(name, path, strengths)
+    findings += _of_strength(name, path, strengths)
     if soil.friction_angle < MIN_ANGLE and soil.cohesion < MIN_COHESION and not soil.gradient:
         strength = {"cohesion": soil.cohesion_si, "friction_angle": soil.friction_angle_si}
         least = {"least_cohesion": 1e3 * MIN_COHESION, "least_angle": math.radians(MIN_ANGLE)}
         nearer = max(soil.cohesion / MIN_COHESION, soil.friction_angle / MIN_ANGLE)
-        found.append(finding("strength-implausible", f"{path}.cohesion", subject=name, value=nearer, bound=1.0, **strength, **least))
-    return found
+        findings.append(finding("strength-implausible", f"{path}.cohesion", subject=name, value=nearer, bound=1.0, **strength, **least))
+    return findings

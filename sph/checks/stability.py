@@ -160,10 +160,10 @@ def of_residual(trial: Trial, scene: Scene) -> Finding:
 def of_limit(code: str, scene: Scene, tolerance: float = TOLERANCE, spacings: Sequence[float] | None = None) -> Finding:
     """The limit that a search for one of ``QUESTIONS`` finds, by default at the scene's spacing and twice that; why where it finds none."""
     try:
-        found = extrapolated(QUESTIONS[code], scene, tolerance, asked=spacings)
+        limit = extrapolated(QUESTIONS[code], scene, tolerance, asked=spacings)
     except ValueError as error:
         return finding("stability-unknown", subject=code, reason=str(error))
-    (coarse, fine), fine_tests = found.spacings, len(found.searches[1].trials)
-    how = {"coarse": coarse, "fine": fine, "coarse_tests": found.runs - fine_tests, "fine_tests": fine_tests}
-    made = finding(code, value=found.value, error=found.error, step_taken=found.step_taken, subject="", **how)
+    (coarse, fine), fine_tests = limit.spacings, len(limit.searches[1].trials)
+    how = {"coarse": coarse, "fine": fine, "coarse_tests": limit.runs - fine_tests, "fine_tests": fine_tests}
+    made = finding(code, value=limit.value, error=limit.error, step_taken=limit.step_taken, subject="", **how)
     return made if made.severity == NOTE else replace(made, keys=("soil.cohesion", "soil.friction_angle", "geometry"))

@@ -11,15 +11,24 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import Field, model_validator
 
 from sph.measures.fields import check_probe
+from sph.measures.metrics import METRIC_BY_NAME
 from sph.scene.configuration import Section, key
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
+from sph.study.dimensions import shown_unit
 from sph.study.plan import Plan
 from sph.study.schema import NAME, Study
 
+METRIC_WORDS = {
+    "displacement_magnitude": "displacement of A",
+    "runout": "run-out",
+    "area_moved_50cm": "area moved by 0.5 m",
+    "failed_fraction": "failed fraction of the soil",
+}
+"""Metrics that are not read as they are written."""
 Overrides = dict[str, Any]
 Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
 """One line without '$', which begins a formula in figures."""
@@ -85,6 +94,17 @@ def checked(scene: Mapping[str, Any], where: str, probe: str | None = None) -> S
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from error
     return built
+
+
+def metric_words(metric: str) -> str:
+    """A metric as it is read."""
+    return METRIC_WORDS.get(metric, metric.replace("_", " "))
+
+
+def metric_label(metric: str) -> str:
+    """A metric with its unit, as an axis names it."""
+    unit = shown_unit(METRIC_BY_NAME[metric].units)
+    return metric_words(metric) + (f" ({unit})" if unit else "")
 
 
 def file_name(label: str) -> str:

@@ -28,5 +28,5 @@ def run_values(run: Run, settings: MetricSettings, yield_acceleration: float) ->
 def measured(run: Run, settings: MetricSettings) -> dict[str, Value]:
     """Metrics of a run, and the codes of the findings before and after it."""
     values = measure(run, settings)
-    found = [*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in [*after_run(run.scene, values), *liquefied(run)])]
-    return values | {FINDINGS.name: " ".join(found)}
+    codes = [*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in [*after_run(run.scene, values), *liquefied(run)])]
+    return values | {FINDINGS.name: " ".join(codes)}

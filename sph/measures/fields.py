@@ -35,20 +35,8 @@ def check_probe(probe: str, scene: Scene, where: str) -> None:
         raise ValueError(f"{where}: metrics.probe: {probe!r} is not one of the scene's probes ({known})")
 
 
-def _initial_height(run: Run, frame: int) -> np.ndarray:
-    return run["y0"] + run.scene.geometry.origin[1]
-
-
-def _displacement_magnitude(run: Run, frame: int) -> np.ndarray:
-    return np.hypot(*run.displacement(frame))
-
-
 def _speed(run: Run, frame: int) -> np.ndarray:
     return np.hypot(run["velocity_x"][frame], run["velocity_y"][frame])
-
-
-def _beta(run: Run, frame: int) -> np.ndarray:
-    return run["beta"][frame]
 
 
 def _mean_pressure(run: Run, frame: int) -> np.ndarray:
@@ -60,24 +48,16 @@ def _pressure_ratio(run: Run, frame: int) -> np.ndarray:
     return run["pore_pressure_ratio"][frame] if "pore_pressure_ratio" in run.stored else np.zeros(run["y0"].shape)
 
 
-def _failed(run: Run, frame: int) -> np.ndarray:
-    return run["failed"][frame].astype(float)
-
-
-def _layer(run: Run, frame: int) -> np.ndarray:
-    return run["layer"].astype(float)
-
-
 LAYER = "layer"
 """The field whose values are numbers of layers: 0 is the scene's own soil."""
 
 FIELDS: dict[str, Field] = {
-    LAYER: Field("layer", "-", _layer),
-    "failed": Field("failed soil: 1", "-", _failed),
-    "initial_height": Field("initial elevation", "m", _initial_height),
-    "displacement": Field("displacement since the gravity stage", "m", _displacement_magnitude),
+    LAYER: Field("layer", "-", lambda run, frame: run["layer"].astype(float)),
+    "failed": Field("failed soil: 1", "-", lambda run, frame: run["failed"][frame].astype(float)),
+    "initial_height": Field("initial elevation", "m", lambda run, frame: run["y0"] + run.scene.geometry.origin[1]),
+    "displacement": Field("displacement since the gravity stage", "m", lambda run, frame: np.hypot(*run.displacement(frame))),
     "speed": Field("speed relative to the box", "m/s", _speed),
-    "beta": Field("weight of the solid state β", "-", _beta),
+    "beta": Field("weight of the solid state β", "-", lambda run, frame: run["beta"][frame]),
     "pressure": Field("mean pressure", "kPa", _mean_pressure),
     "pore_pressure_ratio": Field("excess pore pressure ratio r_u", "-", _pressure_ratio),
     "mobilised": Field("mobilised share of the peak strength", "-", mobilised),

@@ -29,7 +29,7 @@ import scipy  # type: ignore[import-untyped]
 from pydantic import model_validator
 
 from sph.measures.linked import largest_mass
-from sph.measures.mobilised import DISC, mobilised_by_layer
+from sph.measures.mobilised import DISC, height_of, mobilised_by_layer
 from sph.measures.mobility import COROMINAS, corominas_tangent, line_runout, residual_tangent
 from sph.measures.places import Debris, PlaceAt, PlaceName, at_places, place_columns
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
@@ -329,7 +329,7 @@ def measure(run: Run | xr.Dataset, settings: MetricSettings | None = None) -> di
     values |= _probe_metrics(probe, run, settings, moving)
     values |= {
         "still_moving": int(moving),
-        "collapse_class": collapse_class(float(probe.displacement_magnitude[-1]) / _height(run.scene), settings),
+        "collapse_class": collapse_class(float(probe.displacement_magnitude[-1]) / height_of(run.scene), settings),
         "viscous_share": _viscous_share(run),
         "energy_error": energy_error(run),
     }
@@ -345,7 +345,7 @@ def collapse_class(relative_displacement: float, settings: MetricSettings) -> st
 
 def class_displacement(name: str, scene: Scene, settings: MetricSettings) -> float:
     """Displacement of the probe (m) at which a class but the first begins."""
-    return _limits(settings)[name] * _height(scene)
+    return _limits(settings)[name] * height_of(scene)
 
 
 def _limits(settings: MetricSettings) -> dict[str, float]:
@@ -360,11 +360,6 @@ def outline_area(x: np.ndarray, y: np.ndarray, spacing: float) -> float:
     dilated = distance.reshape(grid[0].shape) <= CLOSING_RADIUS * spacing
     inside = step * scipy.ndimage.distance_transform_edt(dilated) > (CLOSING_RADIUS - 0.5) * spacing
     return float(np.count_nonzero(inside)) * step**2
-
-
-def _height(scene: Scene) -> float:
-    geometry = scene.geometry
-    return geometry.slope_height if isinstance(geometry, SLOPES) else geometry.height
 
 
 def _facts(run: Run) -> dict[str, Value]:
@@ -424,16 +419,18 @@ def _soil_metrics(run: Run, settings: MetricSettings) -> dict[str, Value]:
     moved = np.hypot(*run.displacement())[soil]
     mass = largest_mass(x, y, settings.link_length * spacing)
     after_gravity = run["sample_time"] >= scene.gravity.duration - 0.5 * scene.numerics.time_step
-    t_f = run["t_f"]
+    t_f, points = run["t_f"], np.column_stack([x, y])
+    nearest = scipy.spatial.cKDTree(points).query(points, k=2)[0][:, 1]
+    first_area, last_area = ((run["mass"][soil] / run.soil_at(frame, "density")[0]).sum() for frame in (0, -1))
     values: dict[str, Value] = {
         "first_failure_time": float(np.nanmin(t_f)) if np.isfinite(t_f).any() else math.nan,
         "failed_unshaken": float(np.mean(scene.unshaken(t_f[soil], scene.held(run["x0"][soil], run["y0"][soil])))),
         "mobilised_strength": max(mobilised_by_layer(run, run.gravity_frame).values(), default=math.nan),
         "failed_fraction": float(run["failed_fraction"][-1]),
         "peak_speed": float(run["maximum_speed"][after_gravity].max()),
-        "area_change": _area_change(run),
+        "area_change": float(last_area / first_area - 1.0),
         "outline_area_change": outline_area(x[mass], y[mass], spacing) / outline_area(first_x, first_y, spacing) - 1.0,
-        "nearest_neighbour_p05": _nearest_distance_p05(x, y) / spacing,
+        "nearest_neighbour_p05": float(np.percentile(nearest, 5)) / spacing,
     }
     values |= {name: float(np.count_nonzero(moved > limit)) * spacing**2 for name, limit in AREA_THRESHOLDS.items()}
     return values | debris_metrics(run, settings)
@@ -453,32 +450,22 @@ def debris_metrics(run: Run, settings: MetricSettings) -> dict[str, float]:
     debris = Debris(x0, y0, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
     moved = np.hypot(*run.displacement())[soil]
     front = mass & debris.behind(toe_x, toe_y) & (moved > settings.moved_threshold)
-    found = _runout_metrics(x, y, mass, front, scene.geometry, spacing)
-    found |= _mobility_metrics(run, front, float(np.count_nonzero(moved > AREA_THRESHOLDS["area_moved_50cm"])) * spacing**2)
-    return found | at_places(run, settings.places, debris, found["runout"], settings.debris_depth, settings.impact_factor)
+    values = _runout_metrics(x, y, mass, front, scene.geometry, spacing)
+    values |= _mobility_metrics(run, front, float(np.count_nonzero(moved > AREA_THRESHOLDS["area_moved_50cm"])) * spacing**2)
+    return values | at_places(run, settings.places, debris, values["runout"], settings.debris_depth, settings.impact_factor)
 
 
 def _mobility_metrics(run: Run, front: np.ndarray, area: float) -> dict[str, float]:
     """How far a sliding point and slides of the field go, beside the run-out; ``front`` (soil,) is its soil, ``area`` (m2) has moved."""
-    geometry, found = run.scene.geometry, dict[str, float]()
+    geometry, values = run.scene.geometry, dict[str, float]()
     assert isinstance(geometry, SLOPES)
     tangents = {
         "energy_line": residual_tangent(run, front) if front.any() else math.nan,
         "corominas": corominas_tangent(area * geometry.slope_height) if front.any() and area > 0.0 else math.nan,
     }
     for name, tangent in tangents.items():
-        found |= {f"{name}_angle": math.degrees(math.atan(tangent)), f"{name}_runout": line_runout(geometry, tangent)}
-    return found
-
-
-def _area_change(run: Run) -> float:
-    first, last = ((run["mass"][run.soil] / run.soil_at(frame, "density")[0]).sum() for frame in (0, -1))
-    return float(last / first - 1.0)
-
-
-def _nearest_distance_p05(x: np.ndarray, y: np.ndarray) -> float:
-    points = np.column_stack([x, y])
-    return float(np.percentile(scipy.spatial.cKDTree(points).query(points, k=2)[0][:, 1], 5))
+        values |= {f"{name}_angle": math.degrees(math.atan(tangent)), f"{name}_runout": line_runout(geometry, tangent)}
+    return values
 
 
 def _runout_metrics(

@@ -46,21 +46,22 @@ def mobilised_by_layer(run: Run, frame: int) -> dict[str, float]:
     scene = run.scene
     radius, at_yield = circles(run, frame)
     places, near = np.column_stack([run[axis][frame].astype(float) for axis in ("x", "y")]), _near(run)
-    found = {}
+    shares = {}
     for number, name in enumerate(("soil", *scene.layers)):
         there = run.soil & (run["layer"] == number) & np.isfinite(places).all(axis=1)
         centres = places[there & near]
         if not len(centres):
             continue
         tree = scipy.spatial.cKDTree(places[there])
-        discs = tree.query_ball_point(centres[:: -(-len(centres) // MAX_DISCS)], 0.5 * DISC * _height(scene))
+        discs = tree.query_ball_point(centres[:: -(-len(centres) // MAX_DISCS)], 0.5 * DISC * height_of(scene))
         used, there_is, count = (np.array([of[there][disc].sum() for disc in discs]) for of in (radius, at_yield, np.ones_like(radius)))
         full = (count >= FULL * count.max()) & (there_is > 0.0)
-        found[name] = float((used[full] / there_is[full]).max()) if full.any() else 1.0
-    return found
+        shares[name] = float((used[full] / there_is[full]).max()) if full.any() else 1.0
+    return shares
 
 
-def _height(scene: Scene) -> float:
+def height_of(scene: Scene) -> float:
+    """Height of the slope, or of a shape without one, m."""
     geometry = scene.geometry
     return geometry.slope_height if isinstance(geometry, SLOPES) else geometry.height
 
@@ -70,7 +71,7 @@ def _near(run: Run) -> np.ndarray:
     scene, geometry, x = run.scene, run.scene.geometry, run["x0"]
     if not isinstance(geometry, SLOPES):
         return np.ones(x.size, bool)
-    near = (geometry.toe[0] - _height(scene) <= x) & (x <= geometry.crest[0] + _height(scene))
+    near = (geometry.toe[0] - height_of(scene) <= x) & (x <= geometry.crest[0] + height_of(scene))
     if scene.walls.kinds.sides.holds_soil:
-        near &= np.minimum(x, geometry.width - x) > 2.0 * scene.numerics.smoothing_length + 0.5 * DISC * _height(scene)
+        near &= np.minimum(x, geometry.width - x) > 2.0 * scene.numerics.smoothing_length + 0.5 * DISC * height_of(scene)
     return near

@@ -125,8 +125,8 @@ def deviations() -> pd.DataFrame:
 @functools.cache
 def spread(plane: bool) -> float:
     """Twice the root mean square deviation of the validated slopes that slip along a plane, or of the others."""
-    found = deviations()
-    return 2.0 * math.sqrt(float((found["value"][found["plane"] == plane] ** 2).mean()))
+    table = deviations()
+    return 2.0 * math.sqrt(float((table["value"][table["plane"] == plane] ** 2).mean()))
 
 
 def slips_along_a_plane(scene: Scene) -> bool:

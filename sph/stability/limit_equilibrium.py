@@ -118,11 +118,11 @@ def spencer_coefficient(slices: Slices) -> Balance:
     The two equations may have a further root, with another theta, that no load from nothing upwards comes to: under that k the factor of
     safety is not 1, and it counts as none.
     """
-    found = _without_negative_strength(slices, lambda s: _spencer(s, None))
-    there = np.isfinite(found.value)
-    factor = spencer(slices, np.where(there, found.value, 0.0)).value
+    balance = _without_negative_strength(slices, lambda s: _spencer(s, None))
+    there = np.isfinite(balance.value)
+    factor = spencer(slices, np.where(there, balance.value, 0.0)).value
     other = np.isfinite(factor) & (np.abs(factor - 1.0) > SAME_ROOT)  # no factor at all, as close to much tension, tells nothing
-    return found._replace(value=np.where(there & ~other, found.value, np.inf))
+    return balance._replace(value=np.where(there & ~other, balance.value, np.inf))
 
 
 def _without_negative_strength(slices: Slices, solve: Callable[[Slices], tuple[np.ndarray, np.ndarray]]) -> Balance:
@@ -188,14 +188,14 @@ def _spencer(s: Slices, k: float | np.ndarray | None) -> tuple[np.ndarray, np.nd
         open_by = np.maximum(np.abs(change) / np.maximum(np.abs(value), SMALLEST), np.abs(turn))
         if not (open_by > NEAR).any():
             break
-    found = (open_by <= FOUND) & (share >= MIN_SHARE).all(axis=1)
+    sound = (open_by <= FOUND) & (share >= MIN_SHARE).all(axis=1)
     if not critical:
-        found &= (value > 0.0) & (pull.sum(axis=1) > 0.0)
+        sound &= (value > 0.0) & (pull.sum(axis=1) > 0.0)
         value = 1.0 / value
-    return np.where(found, value, np.inf), alone + q * along
+    return np.where(sound, value, np.inf), alone + q * along
 
 
 def _sum(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Sums (surfaces,) of products over the slices."""
-    found: np.ndarray = np.einsum("ij,ij->i", one, other)
-    return found
+    sums: np.ndarray = np.einsum("ij,ij->i", one, other)
+    return sums

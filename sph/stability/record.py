@@ -48,20 +48,20 @@ def run_search(
 
     The search is at the scene's own spacing or, if it ``extrapolates``, at that and twice as coarse a one (``unasked_spacings``).
     """
-    found: Search | Extrapolated
+    limit: Search | Extrapolated
     try:
         if extrapolates:
             static_scene(scene, DEFAULT_RULE)  # refuses a spacing too coarse for any test, though those of the search are finer
             spacings = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
-            found = extrapolated(
+            limit = extrapolated(
                 SEARCHES[by], scene, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings, known=known
             )
         else:
             at = (scene.numerics.spacing, 1.0)
-            found = SEARCHES[by](scene, report=lambda trial: report(at, trial), known=(known or {}).get(at))
+            limit = SEARCHES[by](scene, report=lambda trial: report(at, trial), known=(known or {}).get(at))
     except ValueError as error:
         return search_group(scene, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
-    return search_group(scene, by, found).assign_attrs(extrapolates=int(extrapolates))
+    return search_group(scene, by, limit).assign_attrs(extrapolates=int(extrapolates))
 
 
 def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Trial], None], extrapolates: bool = False) -> None:
@@ -85,8 +85,8 @@ def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Tr
         known: dict[At, dict[float, Trial]] = {}
         for at, trial in read_trials(kept, digest):
             known.setdefault(at, {})[trial.value] = trial
-        found = run_search(scene, by, keep, known, extrapolates)
-        trajectory.write(path, found.assign_attrs(solver_digest=solver))
+        group = run_search(scene, by, keep, known, extrapolates)
+        trajectory.write(path, group.assign_attrs(solver_digest=solver))
         kept.unlink(missing_ok=True)
         tidy(kept)
 
@@ -109,14 +109,14 @@ def search_digest() -> str:
     return sources_digest(folder.glob("*.py"), folder, solver_digest())
 
 
-def search_group(scene: Scene, by: str, found: Search | Extrapolated, reason: str = "") -> Group:
+def search_group(scene: Scene, by: str, limit: Search | Extrapolated, reason: str = "") -> Group:
     """The trials of a search, and what it found."""
-    facts: dict[str, Any] = {"by": by, "value": found.value, "reason": reason}
-    if isinstance(found, Extrapolated):
-        made, bracket = found.trials, found.searches[1]
-        facts |= {"error": found.error, "sensitivity": found.sensitivity, "how": found.how}
+    facts: dict[str, Any] = {"by": by, "value": limit.value, "reason": reason}
+    if isinstance(limit, Extrapolated):
+        made, bracket = limit.trials, limit.searches[1]
+        facts |= {"error": limit.error, "sensitivity": limit.sensitivity, "how": limit.how}
     else:
-        made, bracket = [((scene.numerics.spacing, 1.0), trial) for trial in found.trials], found
+        made, bracket = [((scene.numerics.spacing, 1.0), trial) for trial in limit.trials], limit
     cost = math.fsum(trial.wall_time for _, trial in made)
     return trials_group(scene, made).assign_attrs(**facts, stood=bracket.stood, failed=bracket.failed, wall_time_s=cost)
 

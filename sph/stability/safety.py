@@ -43,13 +43,13 @@ def factor_of_safety(
     def test(factor: float) -> Trial:
         return stand(divided_strength(static, factor), rule, factor)
 
-    found = search(test, *around(FACTORS, near, FACTORS.index(1.0)), tolerance, report=report, known=known)
-    _check_verdict(scene, rule, found)
-    if math.isnan(found.failed):
-        raise ValueError(f"{scene.name}: stands even at a factor of {found.stood:.3g}; its strength does not govern its stability")
-    if math.isnan(found.stood):
-        raise ValueError(f"{scene.name}: fails even at a factor of {found.failed:.3g}; a slope of soil without strength cannot stand")
-    return found
+    limit = search(test, *around(FACTORS, near, FACTORS.index(1.0)), tolerance, report=report, known=known)
+    _check_verdict(scene, rule, limit)
+    if math.isnan(limit.failed):
+        raise ValueError(f"{scene.name}: stands even at a factor of {limit.stood:.3g}; its strength does not govern its stability")
+    if math.isnan(limit.stood):
+        raise ValueError(f"{scene.name}: fails even at a factor of {limit.failed:.3g}; a slope of soil without strength cannot stand")
+    return limit
 
 
 def critical_strength_ratio(
@@ -69,14 +69,14 @@ def critical_strength_ratio(
     def test(ratio: float) -> Trial:
         return stand(weakened(static, ratio), rule, ratio)
 
-    found = search(test, *around(STRENGTH_RATIOS, near, 0), tolerance, report=report, known=known)
-    _check_verdict(scene, rule, found)
-    if math.isnan(found.failed):
-        raise ValueError(f"{scene.name}: stands even with S_R {found.stood:.3g}; its strength does not govern its stability")
-    if math.isnan(found.stood):
+    limit = search(test, *around(STRENGTH_RATIOS, near, 0), tolerance, report=report, known=known)
+    _check_verdict(scene, rule, limit)
+    if math.isnan(limit.failed):
+        raise ValueError(f"{scene.name}: stands even with S_R {limit.stood:.3g}; its strength does not govern its stability")
+    if math.isnan(limit.stood):
         but = " but for the layers with an S_R of their own" if any(layer.S_R is not None for layer in scene.layers.values()) else ""
         raise ValueError(f"{scene.name}: fails with S_R 1, at its full strength{but}")
-    return found
+    return limit
 
 
 def yield_acceleration(
@@ -99,18 +99,18 @@ def yield_acceleration(
         static = static_scene(scene, rule, acceleration)
         return stand(static if stronger == 1.0 else divided_strength(static, 1.0 / stronger), rule, acceleration)
 
-    found = search(test, *around(ACCELERATIONS, near, 0), tolerance, smallest=ACCELERATIONS[1], report=report, known=known)
-    _check_verdict(scene, rule, found)
-    if math.isnan(found.failed):
-        raise ValueError(f"{scene.name}: stands even at {found.stood / GRAVITY:.3g} g")
-    return found._replace(stood=0.0) if math.isnan(found.stood) else found
+    limit = search(test, *around(ACCELERATIONS, near, 0), tolerance, smallest=ACCELERATIONS[1], report=report, known=known)
+    _check_verdict(scene, rule, limit)
+    if math.isnan(limit.failed):
+        raise ValueError(f"{scene.name}: stands even at {limit.stood / GRAVITY:.3g} g")
+    return limit._replace(stood=0.0) if math.isnan(limit.stood) else limit
 
 
-def _check_verdict(scene: Scene, rule: FailureRule, found: Search) -> None:
+def _check_verdict(scene: Scene, rule: FailureRule, limit: Search) -> None:
     """Refuse a bracket that ends at a run which diverged before the slope had failed: a limit of the scheme, not of the slope."""
-    for trial in found.trials:
+    for trial in limit.trials:
         if (
-            trial.value == found.failed
+            trial.value == limit.failed
             and trial.status == Status.DIVERGED
             and not trial.displaced_area > rule.area * slope_height(scene) ** 2
         ):

@@ -143,14 +143,14 @@ def worst_circle(section: Section, coefficient: float = 0.0, among: np.ndarray |
 
     grid = _grid(section) if among is None else among
     scale, end = np.array([section.height, section.height, 1.0]), section.way[-1]
-    found = values(grid, SLICES // 2)
-    starts = _best(found, grid, APART * section.height, CIRCLES)
+    of_grid = values(grid, SLICES // 2)
+    starts = _best(of_grid, grid, APART * section.height, CIRCLES)
     ends = descend(values, starts, scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
     edges, centre = circles(section, ends, SLICES)
     surface, worst = _surface(section, "circle", edges, method, centre, most=1.0)
     if not np.isfinite(surface.value):
         return NONE, np.zeros((0, 3))
-    return surface, np.vstack([ends[worst], grid[_spread(found)]])
+    return surface, np.vstack([ends[worst], grid[_spread(of_grid)]])
 
 
 def _grid(section: Section) -> np.ndarray:
@@ -181,7 +181,7 @@ def worst_surface(
 
 def _worst(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, cracks: np.ndarray) -> Surface:
     """The surface with the least value: a convex line begun from circles that cracks of some depths (m) end, or one along a guide."""
-    way, height, parts, found = section.way[-1], section.height, SLICES // (VERTICES.size + 1), [NONE]
+    way, height, parts, surfaces = section.way[-1], section.height, SLICES // (VERTICES.size + 1), [NONE]
 
     def values(given: np.ndarray) -> np.ndarray:
         return _values(section, lines(section, given, parts), method)
@@ -197,13 +197,13 @@ def _worst(section: Section, method: Callable[[Slices], Balance], near: np.ndarr
         choices += [starts[: cracks.size], starts[cracks.size :]]
         circle = Edges(*(each[:1] for each in edges))
         if np.isfinite(_values(section, circle, method)[0]):
-            found.append(_surface(section, "circle", circle, method)[0])
+            surfaces.append(_surface(section, "circle", circle, method)[0])
     starts = np.vstack([_best(values(each), each, APART * height) for each in choices if len(each)])
     ends = descend(values, starts, scale, 0.0 * high, high)
-    found.append(_surface(section, "line", lines(section, ends, parts), method)[0])
+    surfaces.append(_surface(section, "line", lines(section, ends, parts), method)[0])
     for guide in guides(section):
-        found.append(_along(section, guide, method, min(each.value for each in found), cracks))
-    return min(found, key=lambda each: each.value)
+        surfaces.append(_along(section, guide, method, min(each.value for each in surfaces), cracks))
+    return min(surfaces, key=lambda each: each.value)
 
 
 def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], best: float, cracks: np.ndarray) -> Surface:
@@ -232,12 +232,12 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
         left, right = (np.interp(x, section.x, section.way) for x in (join - depth[0] / out, leave + depth[1] / back))
         tried.append(np.column_stack([left, right, np.full(join.size, crack), join, leave, np.zeros((join.size, 2))]))
     grid = np.concatenate(tried)
-    found = values(grid)
-    if not found.min() < PROMISING * best + 0.1:
+    of_grid = values(grid)
+    if not of_grid.min() < PROMISING * best + 0.1:
         return NONE
     scale = np.array([height, height, height, height, height, 1.0, 1.0])
     low, high = np.array([[0.0, end], [0.0, end], [0.0, cracks[-1]], [low_x, high_x], [low_x, high_x], [0.0, 5.0], [0.0, 5.0]]).T
-    starts = _best(found, grid, APART * height)
+    starts = _best(of_grid, grid, APART * height)
     ends = descend(values, starts, scale, low, high)
     # With the starts, since more slices may show that an end touches what lies beside a thin layer.
     return _surface(section, guide.name, along(section, guide, np.vstack([ends, starts]), parts), method)[0]
@@ -267,16 +267,16 @@ def descend(values: Values, starts: np.ndarray, scale: np.ndarray, low: np.ndarr
         return places, values(places.reshape(-1, count)).reshape(len(at), -1)
 
     for _ in range(STEPS):
-        single, found = trial(step[:, None, None] * moves)
-        gain = np.where(found < least[:, None], np.minimum(least[:, None], HUGE) - found, 0.0)
+        single, result = trial(step[:, None, None] * moves)
+        gain = np.where(result < least[:, None], np.minimum(least[:, None], HUGE) - result, 0.0)
         way = np.sign(gain[:, :count] - gain[:, count:]) * scale * step[:, None]
-        joint, found_jointly = trial(way[:, None] * np.array([1.0, 2.0])[:, None])
-        places, found = np.concatenate([single, joint], axis=1), np.concatenate([found, found_jointly], axis=1)
-        best = found.argmin(axis=1)
-        gain = np.minimum(least, HUGE) - np.minimum(found[rows, best], HUGE)
+        joint, jointly = trial(way[:, None] * np.array([1.0, 2.0])[:, None])
+        places, result = np.concatenate([single, joint], axis=1), np.concatenate([result, jointly], axis=1)
+        best = result.argmin(axis=1)
+        gain = np.minimum(least, HUGE) - np.minimum(result[rows, best], HUGE)
         moved = gain > 0.0
         at = np.where(moved[:, None], places[rows, best], at)
-        least = np.where(moved, found[rows, best], least)
+        least = np.where(moved, result[rows, best], least)
         step = np.where(gain > WORTH * np.abs(least), step, 0.5 * step)
         if (step < LAST).all():
             break

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.gravity import FAILED_AREA
-from sph.scene.layers import DepthRegion, ElevationRegion
+from sph.scene.layers import DepthRegion, ElevationRegion, Region
 from sph.scene.places import ABOVE, shifted
 from sph.scene.schema import Scene
 from sph.solver.particles import strength_at
@@ -94,8 +94,8 @@ class Section(NamedTuple):
 
     def ground(self, x: np.ndarray) -> np.ndarray:
         """Height of the ground at places of any shape, m."""
-        found: np.ndarray = np.interp(x, self.x, self.y)
-        return found
+        height: np.ndarray = np.interp(x, self.x, self.y)
+        return height
 
     def crack(self, way: float, factor: float) -> float:
         """Depth to which the soil at a place on the ground is in tension with its strength divided by a factor, m.
@@ -123,8 +123,8 @@ class Section(NamedTuple):
         forwards = (width >= -tolerance) & (rise >= STEEPEST[0] * width - tolerance) & (rise <= STEEPEST[1] * width + tolerance)
         depth = self.ground(edges.x[:, :-1] + 0.5 * width) - edges.y[:, :-1] - 0.5 * rise
         area = (depth * width).sum(axis=1)
-        found: np.ndarray = within & forwards.all(axis=1) & (area >= FAILED_AREA * self.height**2)
-        return found
+        sound: np.ndarray = within & forwards.all(axis=1) & (area >= FAILED_AREA * self.height**2)
+        return sound
 
     def slices(self, edges: Edges) -> Slices:
         """The slices above surfaces."""
@@ -215,21 +215,29 @@ def _strata(section: Section, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     each two."""
     geometry, ground = section.scene.geometry, section.ground(x)
     away, datum = geometry.in_survey(x, np.zeros(x.shape))
-    sides = [0.0 * ground, ground]
-    for region in (layer.region for layer in section.scene.layers.values()):
-        if isinstance(region, DepthRegion):
-            sides += [ground - depth for depth in (region.top, region.bottom) if depth is not None]
-        elif isinstance(region, ElevationRegion):
-            sides += [height - datum for height in (region.bottom, region.top) if height is not None]
-        else:
-            for (x1, y1), (x2, y2) in zip(region.outline, np.roll(region.outline, -1, axis=0), strict=True):
-                if x1 != x2:
-                    there = (min(x1, x2) <= away) & (away <= max(x1, x2))
-                    sides.append(np.where(there, y1 + (away - x1) / (x2 - x1) * (y2 - y1) - datum, 0.0))
+    sides = [side for layer in section.scene.layers.values() for side in sides_of(layer.region, away, ground, datum)]
+    sides = [0.0 * ground, ground, *map(np.nan_to_num, sides)]
     edges = np.sort(np.clip(sides, 0.0, ground).T, axis=1)
     edges = edges[:, max(edges.shape[1] - 1 - int((edges > 0.0).sum(axis=1).max()), 0) :]
     middle = 0.5 * (edges[:, :-1] + edges[:, 1:])
     return edges, _layer_at(section.scene, np.repeat(x, middle.shape[1]), middle.ravel()).reshape(middle.shape)
+
+
+def sides_of(region: Region, x: np.ndarray, ground: np.ndarray, datum: np.ndarray | float = 0.0) -> list[np.ndarray]:
+    """Heights (n,) over a datum at which a region begins or ends, at places x (n,) in the survey, m; NaN where a side of a polygon is not.
+
+    The ``ground`` (n,) is given over the datum.
+    """
+    if isinstance(region, DepthRegion):
+        return [ground - depth for depth in (region.top, region.bottom) if depth is not None]
+    if isinstance(region, ElevationRegion):
+        return [np.full_like(x, height) - datum for height in (region.bottom, region.top) if height is not None]
+    sides = []
+    for (x1, y1), (x2, y2) in zip(region.outline, np.roll(region.outline, -1, axis=0), strict=True):
+        if x1 != x2:
+            share = (x - x1) / (x2 - x1)
+            sides.append(np.where((share >= 0.0) & (share <= 1.0), y1 + share * (y2 - y1) - datum, np.nan))
+    return sides
 
 
 def _way_to(place: tuple[float, float], x: np.ndarray, y: np.ndarray, way: np.ndarray) -> float:
@@ -309,8 +317,8 @@ class Guide(NamedTuple):
 
     def seam_at(self, x: np.ndarray) -> np.ndarray:
         """Number of the seam at places x, m."""
-        found: np.ndarray = self.seam[np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.seam.size - 1)]
-        return found
+        number: np.ndarray = self.seam[np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.seam.size - 1)]
+        return number
 
 
 def along(section: Section, guide: Guide, given: np.ndarray, parts: int) -> Edges:
@@ -346,13 +354,13 @@ def _divided(corners: np.ndarray, parts: int) -> np.ndarray:
 
 def guides(section: Section) -> list[Guide]:
     """The seams, and the lower sides of thin layers that are weaker than other soil, as far as each lies in the soil."""
-    scene, found = section.scene, list[Guide]()
+    scene, kept = section.scene, list[Guide]()
     for joint in _chained(_joints(scene), scene.numerics.spacing):
-        found += _within(
+        kept += _within(
             section, joint._replace(name=f"along the {'seams' if joint.seam.min() < joint.seam.max() else 'seam'} {joint.name}")
         )
     if not scene.layers:
-        return found
+        return kept
     column = np.unique([*(np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS, *section.x])
     (edges, layers), ratios = _strata(section, column), _ratios(scene)
     thick = np.diff(edges, axis=1)
@@ -374,19 +382,19 @@ def guides(section: Section) -> list[Guide]:
         steps = [(x[k] - x[near], y[k] - y[near]) for k, near in ((0, 1), (-1, -2))]
         x, y = (np.concatenate([[side[0] + steps[0][k]], side, [side[-1] + steps[1][k]]]) for k, side in enumerate((x, y)))
         words = f"along the layer {name}" if name else "along the scene's own soil"
-        found += _within(section, Guide(words, np.zeros(x.size - 1, int), x, y))
-    return found
+        kept += _within(section, Guide(words, np.zeros(x.size - 1, int), x, y))
+    return kept
 
 
 def _joints(scene: Scene) -> list[Guide]:
     """The seams from left to right, without parts that are vertical or turn back."""
-    found = []
+    joints = []
     for number, (name, seam) in enumerate(scene.seams.items(), 1):
         x, y = scene.geometry.in_box(*np.array(seam.points).T)
         x, y = (x, y) if x[-1] > x[0] else (x[::-1], y[::-1])
         runs = np.split(np.arange(x.size), np.flatnonzero(np.diff(x) <= 0.0) + 1)
-        found += [Guide(name, np.full(run.size - 1, number), x[run], y[run]) for run in runs if run.size > 1]
-    return found
+        joints += [Guide(name, np.full(run.size - 1, number), x[run], y[run]) for run in runs if run.size > 1]
+    return joints
 
 
 def _chained(joints: list[Guide], reach: float) -> list[Guide]:
@@ -402,11 +410,11 @@ def _chained(joints: list[Guide], reach: float) -> list[Guide]:
             y = np.concatenate([one.y[before], [np.interp(place, one.x, one.y)], other.y[after]])
             yield Guide(f"{one.name} and {other.name}", seam, x, y, np.concatenate([one.nodes[one.nodes < place], [place]]))
 
-    found = last = joints
+    chains = last = joints
     while last:
         last = [chain for one in last for other in joints for chain in joined(one, other)]
-        found = found + last
-    return found
+        chains = chains + last
+    return chains
 
 
 def _meeting(one: Guide, other: Guide, reach: float) -> list[float]:
@@ -417,15 +425,15 @@ def _meeting(one: Guide, other: Guide, reach: float) -> list[float]:
     above = np.interp(shared, one.x, one.y) - np.interp(shared, other.x, other.y)
     at = np.flatnonzero(above[:-1] * above[1:] < 0.0)
     crossings = shared[at] + above[at] / (above[at] - above[at + 1]) * (shared[at + 1] - shared[at])
-    found = set(crossings[above[at] > 0.0].tolist())
+    places = set(crossings[above[at] > 0.0].tolist())
     for place in (one.x[-1], other.x[0]):
         apart = np.interp(place, one.x, one.y) - np.interp(place, other.x, other.y)
         near = crossings[np.abs(crossings - place) <= reach]
         if near.size:
-            found |= set(near.tolist())
+            places |= set(near.tolist())
         elif np.hypot(apart, max(place - one.x[-1], other.x[0] - place, 0.0)) <= reach:
-            found.add(float(place))
-    return sorted(found)
+            places.add(float(place))
+    return sorted(places)
 
 
 def _within(section: Section, line: Guide) -> list[Guide]:
@@ -438,7 +446,7 @@ def _within(section: Section, line: Guide) -> list[Guide]:
     cover = section.ground(places) - height
     room = np.minimum(cover, height)
     inside = np.flatnonzero(room >= 0.0)
-    found = []
+    parts = []
     for stretch in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1):
         ends = []
         for last, beyond in ((stretch[:1], stretch[:1] - 1), (stretch[-1:], stretch[-1:] + 1)):
@@ -450,5 +458,5 @@ def _within(section: Section, line: Guide) -> list[Guide]:
         shallow = stretch[1:-1][(cover[stretch[1:-1]] <= cover[stretch[:-2]]) & (cover[stretch[1:-1]] <= cover[stretch[2:]])]
         shallow = shallow[np.argsort(cover[shallow], kind="stable")[:SHALLOW]]
         nodes = np.concatenate([x[[0, -1]], line.nodes[(line.nodes > x[0]) & (line.nodes < x[-1])], places[shallow]])
-        found.append(Guide(line.name, line.seam_at(0.5 * (x[:-1] + x[1:])), x, np.interp(x, line.x, line.y), np.unique(nodes)))
-    return found
+        parts.append(Guide(line.name, line.seam_at(0.5 * (x[:-1] + x[1:])), x, np.interp(x, line.x, line.y), np.unique(nodes)))
+    return parts

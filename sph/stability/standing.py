@@ -234,10 +234,8 @@ def _with_strength(
             new["cohesion_growth"] = soil.cohesion_growth.model_copy(update={"gradient": gradient})
         return soil.model_copy(update=new | {"residual_cohesion": None, "residual_friction_angle": None})
 
-    own, *others = map(changed, scene.soils, strengths)
-    layers = {name: layer.model_copy(update={"soil": soil}) for (name, layer), soil in zip(scene.layers.items(), others, strict=True)}
     seams = {name: seam.model_copy(update=dict(zip(QUANTITIES, of_seam(seam), strict=True))) for name, seam in scene.seams.items()}
-    made = scene.model_copy(update={"soil": own, "layers": layers, "seams": seams})
+    made = _with_soils(scene, map(changed, scene.soils, strengths)).model_copy(update={"seams": seams})
     return made if all(soil.K0 is None for soil in made.soils) else _held(made)
 
 
@@ -252,7 +250,12 @@ def _held(scene: Scene) -> Scene:
         low, high = there.limits_at_rest(stress)
         return soil.model_copy(update={"K0": min(max(soil.K0, low), high)})
 
-    own, *others = map(held, scene.soils, soils_at_greatest_stress(scene, particles), greatest_stress(scene, particles))
+    return _with_soils(scene, map(held, scene.soils, soils_at_greatest_stress(scene, particles), greatest_stress(scene, particles)))
+
+
+def _with_soils(scene: Scene, soils: Iterable[Soil]) -> Scene:
+    """A scene with other soils, its own and those of its layers in order."""
+    own, *others = soils
     layers = {name: layer.model_copy(update={"soil": soil}) for (name, layer), soil in zip(scene.layers.items(), others, strict=True)}
     return scene.model_copy(update={"soil": own, "layers": layers})
 

@@ -30,9 +30,11 @@ from sph.experiments.sensitivity.back_analysis import (
     posterior_columns,
     problem_of,
 )
-from sph.experiments.sensitivity.design import Axis, Observation, Quantity, SobolSettings, chosen_points, load_sensitivity
+from sph.experiments.sensitivity.design import chosen_points, load_sensitivity
+from sph.experiments.sensitivity.factors import Axis, Observation, Quantity
 from sph.experiments.sensitivity.figures_back import figure_back_analysis
 from sph.experiments.sensitivity.posterior import CONFIDENCE, Prediction, Predictor, Target, alone, posterior, predictor
+from sph.experiments.sensitivity.schema import SobolSettings
 from sph.experiments.sensitivity.surrogate import TRUSTED, sobol_tables
 from sph.page.tables import csv_table
 from sph.scene.configuration import read_yaml

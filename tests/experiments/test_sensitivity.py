@@ -16,9 +16,11 @@ from small_scenes import SLOPE
 from synthetic import synthetic, translation
 
 from sph.experiments.registry import load_study
-from sph.experiments.sensitivity.design import BASE, SAMPLE, Axis, Quantity, SensitivityPlan, SobolSettings, load_sensitivity
+from sph.experiments.sensitivity.design import BASE, SensitivityPlan, load_sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS, elementary_effects, influential, morris_table
+from sph.experiments.sensitivity.factors import Axis, Quantity
 from sph.experiments.sensitivity.figures import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
+from sph.experiments.sensitivity.schema import SAMPLE, SobolSettings
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL, TRUSTED, sobol_tables
 from sph.experiments.sensitivity.tables import (
     CONFIRMED,

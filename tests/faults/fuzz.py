@@ -55,8 +55,10 @@ from typer.testing import CliRunner
 from sph.command.cli import app
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import load_study
-from sph.experiments.sensitivity.design import Sensitivity, load_sensitivity
-from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
+from sph.experiments.sensitivity.design import load_sensitivity
+from sph.experiments.sensitivity.schema import Sensitivity
+from sph.experiments.trigger.design import SEARCHED, load_trigger
+from sph.experiments.trigger.schema import Trigger
 from sph.experiments.variants.advice import shipped_table
 from sph.experiments.variants.design import load_variants
 from sph.experiments.variants.schema import Assumptions, CostAccuracy, Variants

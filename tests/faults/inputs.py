@@ -13,8 +13,8 @@ from record_files import afad, csmip, esm, geonet, knet, unam
 from small_scenes import TWO_BODIES
 
 from sph.experiments.paper.design import AnyStudy
-from sph.experiments.sensitivity.design import Sensitivity
-from sph.experiments.trigger.design import Trigger
+from sph.experiments.sensitivity.schema import Sensitivity
+from sph.experiments.trigger.schema import Trigger
 from sph.experiments.variants.schema import Assumptions, CostAccuracy
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene

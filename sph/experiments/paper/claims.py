@@ -45,11 +45,9 @@ class ClaimSettings(Section):
     finished: float = key("share of the permanent displacement at which the motion has in effect ended", gt=0, le=1, default=0.95)
 
 
-class Verdict(NamedTuple):
-    """What was measured, in words with numbers and units, and the verdict."""
-
-    measured: str
-    verdict: str
+Verdict = tuple[str, bool | str]
+"""What was measured, in words with numbers and units, and whether the claim holds, or a verdict of its own."""
+Decide = Callable[[xr.Dataset, ClaimSettings], Verdict]
 
 
 class Claim(NamedTuple):
@@ -58,7 +56,21 @@ class Claim(NamedTuple):
     number: int
     statement: str
     test: str
-    decide: Callable[[xr.Dataset, ClaimSettings], Verdict]
+    decide: Decide
+
+
+CLAIMS: list[Claim] = []
+"""The paper's, in its order."""
+
+
+def claim(number: int, statement: str, test: str) -> Callable[[Decide], Decide]:
+    """Add a claim that the function decides."""
+
+    def add(decide: Decide) -> Decide:
+        CLAIMS.append(Claim(number, statement, test, decide))
+        return decide
+
+    return add
 
 
 def _ratio(S_R: float) -> str:
@@ -140,24 +152,34 @@ def _each(cases: Sequence[Case], text: Callable[[Case], str]) -> str:
     return "; ".join(f"{case.label}: {text(case)}" for case in cases)
 
 
-def _verdict(holds: bool) -> str:
-    return HOLDS if holds else FAILS
+def _verdict(holds: bool | str) -> str:
+    return holds if isinstance(holds, str) else HOLDS if holds else FAILS
 
 
 def _time(time: float) -> str:
     return f"{time:.2f} s" if math.isfinite(time) else "never"
 
 
+@claim(
+    1,
+    "The smaller S_R, the more the slope deforms (Sec. 4, Fig. 4)",
+    "permanent displacement of A, γ 100: S_R 0.10 > 0.25 > 0.50",
+)
 def _weaker_deforms_more(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     cases = _paper_cases(study, settings)
     low, middle, high = (case["displacement_magnitude"] for case in cases)
-    return Verdict(f"displacement of A: {_each(cases, lambda case: case.displacement)}", _verdict(low > middle > high))
+    return f"displacement of A: {_each(cases, lambda case: case.displacement)}", low > middle > high
 
 
 def _fluidity(case: Case) -> str:
     return f"{case.collapse_class}, {100 * case['failed_fraction']:.0f} % failed, {case.runout}"
 
 
+@claim(
+    2,
+    "With S_R 0.10 the slope is fluidised and deforms strongly (Sec. 4, Fig. 4a)",
+    "γ 100: class collapse, at least {fluidised_fraction} of the soil failed, run-out at least {fluidised_runout} H",
+)
 def _fluidised(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     case = Case(study, settings, PAPER_S_R[0], FAST)
     holds = (
@@ -165,15 +187,25 @@ def _fluidised(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
         and case["failed_fraction"] >= settings.fluidised_fraction
         and case["runout_over_height"] >= settings.fluidised_runout
     )
-    return Verdict(f"{case.label}: {_fluidity(case)}", _verdict(holds))
+    return f"{case.label}: {_fluidity(case)}", holds
 
 
+@claim(
+    3,
+    "With S_R 0.50 the slope is not fluidised but deforms slightly (Sec. 4, Fig. 4c)",
+    "γ 100: class minor or damaged, that is permanent displacement of A neither negligible nor a collapse",
+)
 def _slight(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     case = Case(study, settings, PAPER_S_R[2], FAST)
     measured = f"{case.label}: {_fluidity(case)}, displacement of A {case.displacement}"
-    return Verdict(measured, _verdict(case.collapse_class in (MINOR, DAMAGED)))
+    return measured, case.collapse_class in (MINOR, DAMAGED)
 
 
+@claim(
+    4,
+    "With γ 100 the slope collapses, with γ 1 it deforms slightly (Sec. 4, Fig. 5, at 15 s)",
+    "S_R 0.25, end of the run: γ 100 class collapse; γ 1 class minor or damaged, displacement of A at most {slight} of that with γ 100",
+)
 def _fast_loss_collapses(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     fast, slow = (Case(study, settings, GAMMA_S_R, gamma) for gamma in (FAST, SLOW))
     slight = slow.collapse_class in (MINOR, DAMAGED)
@@ -183,9 +215,14 @@ def _fast_loss_collapses(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
         return f"{case.collapse_class}, displacement of A {case.displacement}"
 
     holds = fast.collapse_class == COLLAPSE and slight and share <= settings.slight
-    return Verdict(_each([fast, slow], text) + _beside(study, settings, (FAST, SLOW), text), _verdict(holds))
+    return _each([fast, slow], text) + _beside(study, settings, (FAST, SLOW), text), holds
 
 
+@claim(
+    5,
+    "The instant at which motion can begin is the same for every S_R (Sec. 4, Fig. 6)",
+    "time of the first failure, γ 100, S_R 0.10, 0.25, 0.50: spread at most {same_instant} s",
+)
 def _same_first_failure(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     cases = _paper_cases(study, settings)
     times = np.array([case["first_failure_time"] for case in cases])
@@ -194,22 +231,37 @@ def _same_first_failure(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     spread = float(np.ptp(times))  # NaN if only some fail
     measured = _each(cases, lambda case: f"{case['first_failure_time']:.4f} s")
     note = "true by construction, S_R acts only after the first failure and the runs branch there from one shared pre-failure run"
-    return Verdict(f"first failure: {measured}; spread {spread:.4f} s ({note})", _verdict(spread <= settings.same_instant))
+    return f"first failure: {measured}; spread {spread:.4f} s ({note})", spread <= settings.same_instant
 
 
+@claim(
+    6,
+    "A moves visibly first with S_R 0.10 (Sec. 4, Fig. 6)",
+    "onset of the motion of A, γ 100: S_R 0.10 < 0.25 and < 0.50; never moving counts as later",
+)
 def _weakest_moves_first(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     cases = _paper_cases(study, settings)
     low, middle, high = (case.onset for case in cases)
-    return Verdict(f"onset of A: {_each(cases, lambda case: _time(case.onset))}", _verdict(low < min(middle, high)))
+    return f"onset of A: {_each(cases, lambda case: _time(case.onset))}", low < min(middle, high)
 
 
+@claim(
+    7,
+    "With S_R 0.50 A moves slowest (Sec. 4, Fig. 6)",
+    "peak speed of A, γ 100: S_R 0.50 < 0.25 and < 0.10",
+)
 def _strongest_is_slowest(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     cases = _paper_cases(study, settings)
     low, middle, high = (case["probe_peak_speed"] for case in cases)
     measured = "peak speed of A: " + _each(cases, lambda case: f"{case['probe_peak_speed']:.2f} m/s")
-    return Verdict(measured, _verdict(high < min(low, middle)))
+    return measured, high < min(low, middle)
 
 
+@claim(
+    8,
+    "The intermediate S_R, 0.25, lies between the two others (Sec. 4, Fig. 6)",
+    "γ 100: displacement and peak speed of A strictly between, onset of its motion between or equal",
+)
 def _middle_lies_between(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     cases = _paper_cases(study, settings)
     ordered = [cases[0][name] > cases[1][name] > cases[2][name] for name in ("displacement_magnitude", "probe_peak_speed")] + [
@@ -219,7 +271,7 @@ def _middle_lies_between(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     def text(case: Case) -> str:
         return f"{case.displacement}, {case['probe_peak_speed']:.2f} m/s, onset {_time(case.onset)}"
 
-    return Verdict(_each(cases, text), _verdict(all(ordered)))
+    return _each(cases, text), all(ordered)
 
 
 def _share_text(case: Case) -> str:
@@ -230,12 +282,22 @@ def _share_text(case: Case) -> str:
     return f"{at_end_of_shaking:.2f} m at the end of the shaking, {at_end:.2f} m at the end, {100 * share:.1f} % after the shaking"
 
 
+@claim(
+    9,
+    "With γ 1 the slope deforms mostly after the shaking (Sec. 4, Fig. 7)",
+    "S_R 0.25: displacement of A from the end of the shaking to the end of the run more than {most} of its permanent displacement",
+)
 def _slow_loss_moves_after(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     case = Case(study, settings, GAMMA_S_R, SLOW)
     measured = f"{case.label}: {_share_text(case)}" + _beside(study, settings, (SLOW,), _share_text)
-    return Verdict(measured, _verdict(case.share_after_shaking > settings.most))
+    return measured, case.share_after_shaking > settings.most
 
 
+@claim(
+    10,
+    "With γ 100 the deformation begins and ends during the shaking (Sec. 4, Fig. 7)",
+    "S_R 0.25: A does not move before the shaking, and its displacement after it is at most 1 - {finished} of the permanent one",
+)
 def _fast_loss_moves_within(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     case = Case(study, settings, GAMMA_S_R, FAST)
     within = case.onset >= case["shaking_start"] and case.share_after_shaking <= 1.0 - settings.finished
@@ -244,7 +306,7 @@ def _fast_loss_moves_within(study: xr.Dataset, settings: ClaimSettings) -> Verdi
         times = f"onset {_time(case.onset)}, arrest {_time(case['arrest_time'])}"
         return f"{_share_text(case)}, {times}, shaking {case['shaking_start']:g} to {case['shaking_end']:g} s"
 
-    return Verdict(f"{case.label}: {text(case)}" + _beside(study, settings, (FAST,), text), _verdict(within))
+    return f"{case.label}: {text(case)}" + _beside(study, settings, (FAST,), text), within
 
 
 def _beside(study: xr.Dataset, settings: ClaimSettings, gammas: Sequence[float], text: Callable[[Case], str]) -> str:
@@ -256,11 +318,17 @@ def _beside(study: xr.Dataset, settings: ClaimSettings, gammas: Sequence[float],
     return f"; beside it, {_each(cases, text)}"
 
 
+@claim(
+    11,
+    "The method yields the level of motion that triggers failure (abstract, Sec. 5)",
+    "decided by 'snakemake trigger' in trigger/claim.csv, by a search for the critical amplitude; here the bracket from the study, "
+    "by class collapse at γ 100",
+)
 def _trigger(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     brackets = [text for S_R in study["S_R"].values if (text := _bracket(study, float(S_R)))]
     if not brackets:
         raise NotCovered(f"the study has no S_R with two amplitudes at {_rate(FAST)}")
-    return Verdict("from the grid only: " + "; ".join(brackets), NOT_YET)
+    return "from the grid only: " + "; ".join(brackets), NOT_YET
 
 
 def _bracket(study: xr.Dataset, S_R: float) -> str:
@@ -269,16 +337,22 @@ def _bracket(study: xr.Dataset, S_R: float) -> str:
         line = study["collapse_class"].sel(S_R=S_R).sel(gamma=FAST)
     except KeyError:
         return ""
-    found = {float(a): str(c) for a, c in zip(line["amplitude"].values, line.values, strict=True) if c not in ("", UNDETERMINED)}
-    if len(found) < 2:
+    classes = {float(a): str(c) for a, c in zip(line["amplitude"].values, line.values, strict=True) if c not in ("", UNDETERMINED)}
+    if len(classes) < 2:
         return ""
-    collapsed = [amplitude for amplitude, name in found.items() if name == COLLAPSE]
-    standing = [amplitude for amplitude, name in found.items() if name != COLLAPSE]
-    below = f"no collapse up to {max(standing):g} m/s²" if standing else f"collapse already at {min(found):g} m/s²"
+    collapsed = [amplitude for amplitude, name in classes.items() if name == COLLAPSE]
+    standing = [amplitude for amplitude, name in classes.items() if name != COLLAPSE]
+    below = f"no collapse up to {max(standing):g} m/s²" if standing else f"collapse already at {min(classes):g} m/s²"
     above = f", collapse from {min(collapsed):g} m/s²" if collapsed and standing else ""
     return f"{_ratio(S_R)}: {below}{above}"
 
 
+@claim(
+    12,
+    "The method yields the travel distance of the debris (abstract, Sec. 5)",
+    "every collapsed run of S_R 0.10, 0.25, 0.50 with γ 100 has a run-out above 0 and is not still moving; holds at least: debris "
+    "met an end of the box",
+)
 def _runout_arrests(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     cases = [case for case in _paper_cases(study, settings) if case.collapse_class == COLLAPSE]
     if not cases:
@@ -289,98 +363,20 @@ def _runout_arrests(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
         return f"{case.runout}, {state}"
 
     holds = all(case["runout"] > 0 and not case["still_moving"] for case in cases)
-    return Verdict(_each(cases, text), AT_LEAST if holds and any(case.bounded for case in cases) else _verdict(holds))
-
-
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        1,
-        "The smaller S_R, the more the slope deforms (Sec. 4, Fig. 4)",
-        "permanent displacement of A, γ 100: S_R 0.10 > 0.25 > 0.50",
-        _weaker_deforms_more,
-    ),
-    Claim(
-        2,
-        "With S_R 0.10 the slope is fluidised and deforms strongly (Sec. 4, Fig. 4a)",
-        "γ 100: class collapse, at least {fluidised_fraction} of the soil failed, run-out at least {fluidised_runout} H",
-        _fluidised,
-    ),
-    Claim(
-        3,
-        "With S_R 0.50 the slope is not fluidised but deforms slightly (Sec. 4, Fig. 4c)",
-        "γ 100: class minor or damaged, that is permanent displacement of A neither negligible nor a collapse",
-        _slight,
-    ),
-    Claim(
-        4,
-        "With γ 100 the slope collapses, with γ 1 it deforms slightly (Sec. 4, Fig. 5, at 15 s)",
-        "S_R 0.25, end of the run: γ 100 class collapse; γ 1 class minor or damaged, displacement of A at most {slight} of that with γ 100",
-        _fast_loss_collapses,
-    ),
-    Claim(
-        5,
-        "The instant at which motion can begin is the same for every S_R (Sec. 4, Fig. 6)",
-        "time of the first failure, γ 100, S_R 0.10, 0.25, 0.50: spread at most {same_instant} s",
-        _same_first_failure,
-    ),
-    Claim(
-        6,
-        "A moves visibly first with S_R 0.10 (Sec. 4, Fig. 6)",
-        "onset of the motion of A, γ 100: S_R 0.10 < 0.25 and < 0.50; never moving counts as later",
-        _weakest_moves_first,
-    ),
-    Claim(
-        7,
-        "With S_R 0.50 A moves slowest (Sec. 4, Fig. 6)",
-        "peak speed of A, γ 100: S_R 0.50 < 0.25 and < 0.10",
-        _strongest_is_slowest,
-    ),
-    Claim(
-        8,
-        "The intermediate S_R, 0.25, lies between the two others (Sec. 4, Fig. 6)",
-        "γ 100: displacement and peak speed of A strictly between, onset of its motion between or equal",
-        _middle_lies_between,
-    ),
-    Claim(
-        9,
-        "With γ 1 the slope deforms mostly after the shaking (Sec. 4, Fig. 7)",
-        "S_R 0.25: displacement of A from the end of the shaking to the end of the run more than {most} of its permanent displacement",
-        _slow_loss_moves_after,
-    ),
-    Claim(
-        10,
-        "With γ 100 the deformation begins and ends during the shaking (Sec. 4, Fig. 7)",
-        "S_R 0.25: A does not move before the shaking, and its displacement after it is at most 1 - {finished} of the permanent one",
-        _fast_loss_moves_within,
-    ),
-    Claim(
-        11,
-        "The method yields the level of motion that triggers failure (abstract, Sec. 5)",
-        "decided by 'snakemake trigger' in trigger/claim.csv, by a search for the critical amplitude; here the bracket from the study, "
-        "by class collapse at γ 100",
-        _trigger,
-    ),
-    Claim(
-        12,
-        "The method yields the travel distance of the debris (abstract, Sec. 5)",
-        "every collapsed run of S_R 0.10, 0.25, 0.50 with γ 100 has a run-out above 0 and is not still moving; holds at least: debris "
-        "met an end of the box",
-        _runout_arrests,
-    ),
-)
+    return _each(cases, text), AT_LEAST if holds and any(case.bounded for case in cases) else holds
 
 
 def decide_claims(study: xr.Dataset, settings: ClaimSettings | None = None) -> pd.DataFrame:
     """One row per claim with the columns ``COLUMNS``, from the dataset of a study."""
     settings = settings or ClaimSettings()
     rows = []
-    for claim in CLAIMS:
+    for number, statement, test, decide in CLAIMS:
         try:
-            measured, verdict = claim.decide(study, settings)
+            measured, holds = decide(study, settings)
         except NotCovered as reason:
-            measured, verdict = str(reason), NOT_COVERED
-        test = f"at {settings.amplitude:g} m/s²: " if claim.decide is not _trigger else ""
-        rows.append((claim.number, claim.statement, test + claim.test.format(**settings.model_dump()), measured, verdict))
+            measured, holds = str(reason), NOT_COVERED
+        at = f"at {settings.amplitude:g} m/s²: " if decide is not _trigger else ""
+        rows.append((number, statement, at + test.format(**settings.model_dump()), measured, _verdict(holds)))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -393,15 +389,15 @@ TRIGGER_COLUMNS = ("claim", "case", *COLUMNS[1:])
 
 def decide_trigger(critical: pd.DataFrame) -> pd.DataFrame:
     """Claim 11, a row per case with the columns ``TRIGGER_COLUMNS``, from the table of critical amplitudes (``experiments.trigger``)."""
-    claim = next(claim for claim in CLAIMS if claim.decide is _trigger)
+    own = next(each for each in CLAIMS if each.decide is _trigger)
     test = TRIGGER_TEST.format(FAST=FAST, strengths=", ".join(f"{S_R:.2f}" for S_R in PAPER_S_R))
     rows = []
     for case, table in critical[critical["collapse_class"] == COLLAPSE].groupby("case", sort=False):
-        found = {(float(row["S_R"]), float(row["gamma"])): row for row in table.to_dict("records")}
-        brackets = [found.get((S_R, FAST)) for S_R in PAPER_S_R]
+        by_point = {(float(row["S_R"]), float(row["gamma"])): row for row in table.to_dict("records")}
+        brackets = [by_point.get((S_R, FAST)) for S_R in PAPER_S_R]
         clear = [row is not None and _clear(row) for row in brackets]
         measured = "; ".join(_critical_text(S_R, row) for S_R, row in zip(PAPER_S_R, brackets, strict=True))
-        rows.append((claim.number, case, claim.statement, test, measured, NOT_COVERED if None in brackets else _verdict(all(clear))))
+        rows.append((own.number, case, own.statement, test, measured, NOT_COVERED if None in brackets else _verdict(all(clear))))
     return pd.DataFrame(rows, columns=list(TRIGGER_COLUMNS))
 
 

@@ -14,7 +14,8 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from sph.experiments.sensitivity.design import ENDS, Axis, Observation, metric_words, short, with_unit
+from sph.experiments.base import metric_words
+from sph.experiments.sensitivity.factors import ENDS, Axis, Observation, short, with_unit
 from sph.experiments.sensitivity.posterior import CONFIDENCE, Posterior, Prediction, Target, alone, held, posterior, predictor
 from sph.experiments.sensitivity.surrogate import TRUSTED
 from sph.storage.trajectory import Variable
@@ -151,16 +152,16 @@ def back_tables(
     target = Target(*np.transpose([seen.analysed for seen in problem.observations]))
     with threadpool_limits(1):  # as for the indices
         predict = predictor(sample, validation, varied, problem.sought, problem.observations)
-        found = posterior(predict, target, len(problem.sought))
+        distribution = posterior(predict, target, len(problem.sought))
         own = np.array([float(axis.share(np.array(axis.base))) for axis in problem.sought])
-        if found.least > REACHED:
-            found = posterior(predict, target, len(problem.sought), rounds=1)
-        best, distance = found.shares[found.nearest(own)], found.least
+        if distribution.least > REACHED:
+            distribution = posterior(predict, target, len(problem.sought), rounds=1)
+        best, distance = distribution.shares[distribution.nearest(own)], distribution.least
         given = np.column_stack([alone(predict, target, best, factor) for factor in range(len(best))])
         points = {BEST: best}
         for factor, axis in enumerate(problem.sought if distance <= REACHED else ()):
-            for end, share in zip(ENDS, found.intervals[[0, 2], factor], strict=True):
-                there = held(predict, found, factor, float(share))
+            for end, share in zip(ENDS, distribution.intervals[[0, 2], factor], strict=True):
+                there = held(predict, distribution, factor, float(share))
                 points[f"{axis.name}/{end}"] = there.shares[there.nearest(best)]
         predicted = problem.predicted(predict(np.array(list(points.values()))))
     metrics = {seen.quantity.metric for seen in problem.observations}
@@ -169,13 +170,13 @@ def back_tables(
     untrusted = [f"{metric_words(metric)}: {verdict}" for metric, verdict in pairs if verdict != TRUSTED]
     facts = {"distance": distance, "verdict": "; ".join(untrusted) or TRUSTED}
     rows = [
-        _row(axis, found.intervals[:, factor], given[:, factor], distance) | facts | {BEST: axis.value(float(best[factor]))}
+        _row(axis, distribution.intervals[:, factor], given[:, factor], distance) | facts | {BEST: axis.value(float(best[factor]))}
         for factor, axis in enumerate(problem.sought)
     ]
     rows = [row | {"sentence": _sentence(problem, row, problem.point(best), predicted[0, 0])} for row in rows]
     table = pd.DataFrame(rows, columns=[column.name for column in BACK_ANALYSIS])
     runs = pd.DataFrame(_points(problem, points, predicted), columns=[column.name for column in point_columns(problem.axes)])
-    return table, runs, _posterior_frame(problem, found)
+    return table, runs, _posterior_frame(problem, distribution)
 
 
 def _row(axis: Axis, interval: np.ndarray, given: np.ndarray, distance: float) -> dict[str, Any]:
@@ -225,11 +226,16 @@ def _points(problem: Problem, points: Mapping[str, np.ndarray], predicted: np.nd
             yield {"run": run} | problem.point(shares) | facts | dict(values)
 
 
-def _posterior_frame(problem: Problem, found: Posterior) -> pd.DataFrame:
+def _posterior_frame(problem: Problem, distribution: Posterior) -> pd.DataFrame:
     """The points of the posterior in the units of factors and metrics."""
-    columns = [[axis.value(float(share)) for share in shares] for axis, shares in zip(problem.sought, found.shares.T, strict=True)]
-    metrics = problem.predicted(found.prediction)
-    values = [*columns, found.weights, found.mass, *(metrics[end, :, number] for number in range(metrics.shape[2]) for end in range(3))]
+    columns = [[axis.value(float(share)) for share in shares] for axis, shares in zip(problem.sought, distribution.shares.T, strict=True)]
+    metrics = problem.predicted(distribution.prediction)
+    values = [
+        *columns,
+        distribution.weights,
+        distribution.mass,
+        *(metrics[end, :, number] for number in range(metrics.shape[2]) for end in range(3)),
+    ]
     return pd.DataFrame({column.name: each for column, each in zip(posterior_columns(problem), values, strict=True)})
 
 

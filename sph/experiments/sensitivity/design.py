@@ -14,338 +14,34 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
-from pydantic import BeforeValidator, Field, model_validator
 
-from sph.experiments.base import Experiment, Label, Overrides, checked
+from sph.experiments.base import Experiment, checked
+from sph.experiments.sensitivity.factors import Axis, Observation, Quantity, level_axis
+from sph.experiments.sensitivity.schema import Sensitivity
 from sph.measures.fields import check_probe
-from sph.measures.metrics import METRIC_BY_NAME
-from sph.scene.configuration import Section, found_file, key, merge, read_yaml, validated
+from sph.scene.configuration import found_file, merge, read_yaml, validated
 from sph.scene.extras import of_extra
 from sph.scene.names import check_known
-from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json
-from sph.scene.units import Acceleration
-from sph.storage.trajectory import Variable
-from sph.study.dimensions import (
-    Values,
-    as_written,
-    check_names,
-    in_si,
-    is_number,
-    number_at,
-    readable,
-    scene_key,
-    scene_keys,
-    shown_unit,
-    value_at,
-    value_of,
-)
+from sph.study.dimensions import number_at, readable
 from sph.study.plan import Plan
 from sph.study.runs import BaseScene, PlannedRun
-from sph.study.tables import text_column
 
 FOLDER = "sensitivity"
 """Folder of the results, in that of the study."""
 BASE = "base"
 """Name of the run of the scene as it is."""
-ENDS = ("low", "high")
-"""Ends of a factor's range, in the order of its bounds."""
 CONFIRM = "confirm"
 """Design of the runs that repeat others at another fidelity."""
 BACK = "back"
 """Design of the runs that confirm a back-analysis."""
 FACTORS_FILE, BACK_FILE = "factors.json", "back_points.csv"
 """Files that say what a design runs: the factors that matter, and the points of ``BACK``."""
-
-SAMPLE: tuple[Variable, ...] = (
-    text_column("run", "file of the run under runs/, without suffix"),
-    text_column("reason", "why a run diverged"),
-    *(METRIC_BY_NAME[name] for name in ("status", "collapse_class", "still_moving", "wall_time")),
-)
-"""The columns of a sample before those of its factors and metrics."""
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
-SceneKey = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$")]
-
-
-class Factor(Section):
-    """A number of the scene, or several in proportion, and its range; or values of keys, one a level."""
-
-    keys: dict[SceneKey, Annotated[float, Field(gt=0)]] = key(
-        "scene keys, dotted (layers.clay.soil.cohesion), each with the multiplier of the factor's value, in the proportion of the scene's "
-        "own values; unit and base value are those of the first",
-        default={},
-    )
-    bounds: tuple[Acceleration, Acceleration] | None = key(
-        "smallest and largest value, in the unit of the first key, or accelerations with theirs (0.2g); the scene's own value lies between",
-        default=None,
-    )
-    scale: Literal["linear", "log"] = key("scale on which the range is filled evenly", default="linear")
-    levels: Annotated[dict[SceneKey, Annotated[Values, Field(min_length=2, max_length=20)]], BeforeValidator(in_si)] | None = key(
-        "instead of keys and bounds: the values of scene keys, one a level, as motion.file: [a.csv, b.csv]; those of several keys go "
-        "together; the scene's own values are among them",
-        default=None,
-        min_length=1,
-    )
-    label: Label | None = key("name in figures; null: that of the first key", default=None)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _units(cls, data: Any) -> Any:
-        keys, bounds = (data.get("keys"), data.get("bounds")) if isinstance(data, Mapping) else (None, None)
-        if isinstance(keys, Mapping) and keys and isinstance(bounds, (list, tuple)):
-            first = next(iter(keys))
-            for value in bounds:
-                if isinstance(value, str) and not is_number(value) and scene_keys().get(scene_key(str(first))) != "m/s2":
-                    raise ValueError(f"bounds: {value!r}: {first} is not an acceleration; write a number in the unit of that key")
-        return data
-
-    @model_validator(mode="after")
-    def _range(self) -> Factor:
-        if bool(self.levels) == bool(self.keys) or bool(self.keys) != bool(self.bounds):
-            raise ValueError("keys, bounds, levels: give keys with their bounds, or levels alone")
-        low, high = self.bounds or (1.0, 2.0)
-        if not low < high or self.scale == "log" and low <= 0:
-            raise ValueError(f"bounds: [{low}, {high}] must increase" + (" and be positive on a log scale" if self.scale == "log" else ""))
-        if self.levels:
-            check_names("levels", self.levels)
-            if len({len(values) for values in self.levels.values()}) > 1:
-                raise ValueError(f"levels: {', '.join(self.levels)} must have as many values each")
-            if self.scale == "log":
-                raise ValueError("scale: log is of a range, and levels have none; leave it out")
-        return self
-
-    @property
-    def sets(self) -> tuple[str, ...]:
-        """The scene keys that it sets."""
-        return tuple(self.levels or self.keys)
-
-
-class Analysed(Section):
-    """How a metric is analysed."""
-
-    log_offset: float | None = key(
-        "null: the metric itself; a number: the decimal logarithm of metric + number, in the metric's unit", gt=0, default=None
-    )
-
-
-class MorrisSettings(Section):
-    """The screening."""
-
-    trajectories: int = key("number of trajectories, each with one run more than there are factors", ge=2, le=1000, default=10)
-    levels: Literal[4, 6, 8, 10] = key("number of levels of every factor", default=4)
-    resamples: int = key("number of bootstrap resamples for the intervals", ge=100, le=100_000, default=2000)
-
-
-class SobolSettings(Section):
-    """The indices and the surrogate they are computed with."""
-
-    samples: int = key(
-        "number of runs, the first points of a scrambled Sobol' sequence; powers of 2 fill the space most evenly",
-        ge=8,
-        le=8192,
-        default=128,
-    )
-    factors: tuple[str, ...] | None = key("factors to vary; null: those that the screening finds", min_length=1, default=None)
-    share: float = key(
-        "the screening finds a factor whose mu* is at least this part of the largest mu* of some metric", gt=0, le=1, default=0.2
-    )
-    folds: int = key("number of parts (folds) of the cross-validation", ge=2, le=100, default=8)
-    least_q2: float = key("the indices of a metric whose Q² lies below this are not to be trusted", ge=0, lt=1, default=0.8)
-    draws: int = key("number of functions drawn from the surrogate's posterior for the intervals", ge=50, le=10_000, default=400)
-    points: int = key("number of points of the estimator of the indices, a power of 2", ge=64, le=65_536, default=1024)
-
-    @model_validator(mode="after")
-    def _power(self) -> SobolSettings:
-        if self.points.bit_count() != 1:
-            raise ValueError(f"points: {self.points} is not a power of 2")
-        return self
-
-
-class Confirm(Section):
-    """Points that are repeated at another fidelity."""
-
-    fidelity: str = key("one of the study's fidelities; where it is the study's own, nothing is repeated")
-    points: int = key("number of points, the first of the Sobol' sample", ge=1, le=1000)
-
-
-class Observed(Section):
-    """What was observed of a metric."""
-
-    value: float = key("observed value, in the metric's unit")
-    error: float = key("standard deviation of the observation, in the same unit", gt=0)
-
-
-class BackAnalysis(Section):
-    """Which values of the factors agree with what was observed."""
-
-    observed: dict[Name, Observed] = key("what was observed, by the names of analysed metrics", min_length=1)
-    over: tuple[str, ...] | None = key(
-        "factors whose values are sought; all others keep the scene's own; null: those that the Sobol' sample varies",
-        min_length=1,
-        default=None,
-    )
-
-
-class Sensitivity(Section):
-    """The configuration."""
-
-    overrides: Overrides = key("scene keys of every run, over those of the fidelity", default={})
-    seed: int = key("seed of trajectories, sequence, cross-validation and draws", ge=0, le=2**31, default=1)
-    factors: dict[Name, Factor] = key("the factors, by name", min_length=1, max_length=12)
-    metrics: dict[Name, Analysed] = key("the metrics that are analysed, by their names in study.csv", min_length=1, max_length=6)
-    morris: MorrisSettings = key("screening of all factors by elementary effects", default=MorrisSettings())
-    sobol: SobolSettings = key("indices of the factors that matter", default=SobolSettings())
-    confirm: Confirm | None = key("points repeated at another fidelity", default=None)
-    back_analysis: BackAnalysis | None = key("back-analysis: values of the factors that agree with an observation", default=None)
-
-    @model_validator(mode="after")
-    def _known(self) -> Sensitivity:
-        check_known("metrics", self.metrics, [metric.name for metric in METRIC_BY_NAME.values() if metric.dtype == "f8"])
-        check_known("sobol.factors", self.sobol.factors, self.factors)
-        taken = {column.name for column in SAMPLE} | set(self.metrics)
-        for name in self.factors:
-            if name in taken:
-                raise ValueError(f"factors: {name!r} is a column of the sample already, choose another name")
-        paths = [path for factor in self.factors.values() for path in factor.sets]
-        if len(set(paths)) < len(paths):
-            raise ValueError(f"factors: two of them set the key {next(path for path in paths if paths.count(path) > 1)}")
-        if self.confirm and self.confirm.points > self.sobol.samples:
-            raise ValueError(f"confirm.points: {self.confirm.points} is more than sobol.samples: {self.sobol.samples}")
-        if self.back_analysis:
-            check_known("back_analysis.observed", self.back_analysis.observed, self.metrics)
-            check_known("back_analysis.over", self.back_analysis.over, self.sobol.factors or self.factors)
-            for name in self.back_analysis.over or self.sobol.factors or self.factors:
-                if self.factors[name].levels:
-                    raise ValueError(
-                        f"back_analysis.over: {name!r} has levels, between which there are no values to find; name those of the others"
-                    )
-            for name, observed in self.back_analysis.observed.items():
-                least = self.metrics[name].log_offset
-                if least is not None and observed.value <= -least:
-                    raise ValueError(f"back_analysis.observed.{name}.value: {observed.value:g} must be above -log_offset, {-least:g}")
-        return self
-
-
-class Axis(NamedTuple):
-    """A factor, ready for use."""
-
-    name: str
-    label: str
-    unit: str
-    low: float
-    high: float
-    log: bool
-    base: float  # value in the scene as it is
-    levels: tuple[str, ...] = ()
-    """names of the levels; a value is the number of one then, from 1"""
-
-    @property
-    def moved(self) -> dict[str, float]:
-        """The values that the tornado moves it to, by name: the ends of the range, or all levels but the scene's own."""
-        if self.levels:
-            return {str(number): float(number) for number in range(1, len(self.levels) + 1) if number != self.base}
-        return dict(zip(ENDS, (self.low, self.high), strict=True))
-
-    @property
-    def meaning(self) -> str:
-        """Its values in tables."""
-        numbered = "; ".join(f"{number}: {level}" for number, level in enumerate(self.levels, 1))
-        return f"factor: {self.label}" + (f", the number of its level: {numbered}" if self.levels else "")
-
-    def value(self, share: float) -> float:
-        """Value at a share, 0 to 1, of the range; levels have equal parts of it."""
-        if self.levels:
-            return float(min(int(share * len(self.levels) + 1e-9), len(self.levels) - 1) + 1)
-        if self.log:
-            return float(self.low * (self.high / self.low) ** share)
-        return self.low + share * (self.high - self.low)
-
-    def share(self, value: np.ndarray) -> np.ndarray:
-        """Share of the range below values (n,); of a level the middle of its part."""
-        if self.levels:
-            return (value - 0.5) / len(self.levels)
-        if self.log:
-            return np.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
-
-    def span(self, low: float, high: float) -> str:
-        """Two of its values with their unit."""
-        return f"{short(low)} to {with_unit(high, self.unit)}"
-
-    def snapped(self, shares: np.ndarray) -> np.ndarray:
-        """Shares (n,) of the range, those of levels in the middle of their parts."""
-        return self.share(np.array([self.value(share) for share in shares])) if self.levels else shares
-
-
-class Quantity(NamedTuple):
-    """A metric as it is analysed."""
-
-    metric: str
-    log_offset: float | None
-
-    @property
-    def metric_unit(self) -> str:
-        """Unit of the metric."""
-        return METRIC_BY_NAME[self.metric].units
-
-    @property
-    def text(self) -> str:
-        """What is analysed, in words."""
-        return self.metric if self.log_offset is None else f"log10({self.metric} + {self.log_offset:g} {self.metric_unit})"
-
-    @property
-    def unit(self) -> str:
-        """Unit of what is analysed: a decade of the sum on the logarithmic scale."""
-        return self.metric_unit if self.log_offset is None else "decade"
-
-    def of(self, values: np.ndarray) -> np.ndarray:
-        """What is analysed, from metrics (n,); NaN stays NaN."""
-        return values if self.log_offset is None else np.log10(values + self.log_offset)
-
-    def metric_of(self, analysed: np.ndarray) -> np.ndarray:
-        """Metrics (n,) from what is analysed."""
-        return analysed if self.log_offset is None else 10.0**analysed - self.log_offset
-
-
-class Observation(NamedTuple):
-    """An observed metric."""
-
-    quantity: Quantity
-    value: float
-    error: float
-    """its standard deviation"""
-
-    @property
-    def analysed(self) -> tuple[float, float]:
-        """Value and standard deviation of what is analysed; of a logarithm the latter to first order."""
-        offset = self.quantity.log_offset
-        error = self.error if offset is None else self.error / ((self.value + offset) * math.log(10.0))
-        return float(self.quantity.of(np.array(self.value))), error
-
-
-WORDS = {"displacement_magnitude": "displacement of A", "runout": "run-out", "area_moved_50cm": "area moved by 0.5 m"}
-"""Metrics that are not read as they are written."""
-
-
-def metric_words(metric: str) -> str:
-    """A metric as it is read."""
-    return WORDS.get(metric, metric.replace("_", " "))
-
-
-def short(value: float) -> str:
-    """A value in three digits."""
-    return f"{value:.3g}".replace("e+0", "e").replace("e-0", "e-")
-
-
-def with_unit(value: float, unit: str) -> str:
-    """A value in three digits with its unit."""
-    return f"{short(value)} {shown_unit(unit)}".rstrip()
-
 
 Point = tuple[float, ...]
 Chosen = Sequence[str] | Mapping[str, Point]
@@ -506,37 +202,24 @@ class SensitivityPlan:
             yield f"{number:04d}", self._values(shares, axes)
 
 
-def chosen_factors(path: Path | str | Sequence[str]) -> list[str]:
-    """Names in the file of the factors that matter; none where there is no file."""
-    return parse_json(Path(path).read_text(encoding="utf-8")) if isinstance(path, (str, Path)) else []
+def chosen_factors(path: Path | str) -> list[str]:
+    """Names in the file of the factors that matter."""
+    return parse_json(Path(path).read_text(encoding="utf-8"))
 
 
-def chosen_points(path: Path | str | Sequence[str], axes: Sequence[Axis]) -> dict[str, Point]:
-    """Points of ``BACK`` in their file, by name, a value per factor; none where there is no file."""
-    if not isinstance(path, (str, Path)):
-        return {}
+def chosen_points(path: Path | str, axes: Sequence[Axis]) -> dict[str, Point]:
+    """Points of ``BACK`` in their file, by name, a value per factor."""
     table = pd.read_csv(path).set_index("run")[[axis.name for axis in axes]]
     return {str(run): tuple(map(float, values)) for run, values in zip(table.index, table.to_numpy(), strict=True)}
-
-
-def level_axis(name: str, label: str, scene: Scene, levels: Mapping[str, Sequence[str]], where: str) -> Axis:
-    """A factor of levels; ValueError, which begins with ``where``, where no level has the scene's own values."""
-    own = {path: value_at(scene, path, f"{where}: levels")[0] for path in levels}
-    words = [", ".join(values) for values in zip(*levels.values(), strict=True)]
-    rows = [tuple(map(value_of, values)) for values in zip(*levels.values(), strict=True)]
-    if tuple(own.values()) not in rows:
-        values = ", ".join(f"{path}: {as_written(value)}" for path, value in own.items())
-        raise ValueError(f"{where}: levels: {', '.join(words)} do not hold the scene's own value, {values}; add it, or set it in overrides")
-    return Axis(name, label, "-", 1.0, float(len(words)), False, rows.index(tuple(own.values())) + 1.0, tuple(words))
 
 
 def load_sensitivity(path: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> SensitivityPlan:
     """Validate the configuration and, with ``check``, the scenes of all runs; ValueError names file, key and value."""
     settings = validated(Sensitivity, read_yaml(found_file(folders, path, "experiments.sensitivity")), path)
-    found = SensitivityPlan(settings, study, path)
+    design = SensitivityPlan(settings, study, path)
     if check:
-        found.check()
-    return found
+        design.check()
+    return design
 
 
 EXPERIMENT = Experiment("sensitivity", load_sensitivity, Sensitivity, alone=False)

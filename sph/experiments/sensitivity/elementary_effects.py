@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from sph.experiments.sensitivity.design import ENDS, Axis, Quantity
+from sph.experiments.sensitivity.factors import ENDS, Axis, Quantity
 from sph.experiments.sensitivity.tables import diverged_runs
 from sph.storage.trajectory import Variable
 from sph.study.tables import ROW, number_column, text_column
@@ -66,9 +66,9 @@ def morris_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequenc
     for quantity in quantities:
         values = quantity.of(sample[quantity.metric].to_numpy()).reshape(shares.shape[:2])
         effects = elementary_effects(shares, values, [bool(axis.levels) for axis in axes])
-        found = [_statistics(effects[:, place], resamples, seed) for place in range(len(axes))]
-        largest = np.nanmax([statistics["mu_star"] for statistics in found], initial=0.0)
-        for axis, statistics in zip(axes, found, strict=True):
+        by_factor = [_statistics(effects[:, place], resamples, seed) for place in range(len(axes))]
+        largest = np.nanmax([statistics["mu_star"] for statistics in by_factor], initial=0.0)
+        for axis, statistics in zip(axes, by_factor, strict=True):
             share = statistics["mu_star"] / largest if largest > 0 else 0.0
             words = {"metric": quantity.metric, "quantity": quantity.text, "units": quantity.unit, "factor": axis.name}
             rows.append(words | statistics | {"share": share, "runs": len(sample), "diverged": diverged_runs(sample)})

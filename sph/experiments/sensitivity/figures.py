@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from sph.experiments.sensitivity.design import ENDS, Axis, metric_words, with_unit
+from sph.experiments.base import metric_label, metric_words
+from sph.experiments.sensitivity.factors import ENDS, Axis, with_unit
 from sph.experiments.sensitivity.surrogate import KINDS, TRUSTED
 from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, styled, write_note
 from sph.study.dimensions import is_number, shown_unit
@@ -102,7 +103,7 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
             lost = np.flatnonzero(np.isnan(reach))
             ax.plot(np.full(lost.size, base), lost + shift, linestyle="", marker="x", color=UNTRUSTED_COLOUR)
         ax.axvline(base, color="black", linewidth=0.8)
-        ax.set(xlabel=f"{metric_words(metric)}{_unit(rows['units'].iloc[0])}", yticks=np.arange(len(order)), yticklabels=[])
+        ax.set(xlabel=metric_label(metric), yticks=np.arange(len(order)), yticklabels=[])
         ax.tick_params(axis="y", length=0)
         ax.spines["left"].set_visible(False)
         ax.margins(x=0.4 if any(factor.levels for factor in factors) else 0.06, y=0.02)  # room for names

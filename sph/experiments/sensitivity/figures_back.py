@@ -13,8 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.tri import TriAnalyzer, Triangulation
 
+from sph.experiments.base import metric_label, metric_words
 from sph.experiments.sensitivity.back_analysis import BEST, NOT_REACHED, REACHED, Problem
-from sph.experiments.sensitivity.design import Axis, Observation, metric_words
+from sph.experiments.sensitivity.factors import Axis, Observation
 from sph.experiments.sensitivity.posterior import CONFIDENCE
 from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, plain, styled, write_note, written
 from sph.study.dimensions import shown_unit
@@ -80,7 +81,7 @@ def _curve(
         ax.axvline(ends[end], color="black", linewidth=0.8, linestyle=":")
     ax.plot(rows[axis.name], rows["measured"], linestyle="", marker="D", markersize=5, markerfacecolor="white", color="black")
     _scale(ax, axis, "x")
-    ax.set(ylabel=f"{metric_words(name)} ({_unit(seen)})")
+    ax.set(ylabel=metric_label(name))
     return [
         Line2D([], [], color=colour, label=f"surrogate, band of {REACHED:g} standard deviations"),
         Line2D([], [], color=OBSERVED, label="observed, band of one"),

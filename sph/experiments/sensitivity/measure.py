@@ -20,10 +20,12 @@ from sph.experiments.sensitivity.back_analysis import (
     posterior_columns,
     problem_of,
 )
-from sph.experiments.sensitivity.design import Axis, Observation, Point, Quantity, SobolSettings, chosen_factors
+from sph.experiments.sensitivity.design import Point, chosen_factors
 from sph.experiments.sensitivity.elementary_effects import MORRIS, influential, morris_table
+from sph.experiments.sensitivity.factors import Axis, Observation, Quantity
 from sph.experiments.sensitivity.figures import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
 from sph.experiments.sensitivity.figures_back import figure_back_analysis
+from sph.experiments.sensitivity.schema import SobolSettings
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL, sobol_tables
 from sph.experiments.sensitivity.tables import (
     TORNADO,
@@ -155,8 +157,8 @@ def confirm_back(
     problem = problem_of(axes, sought or chosen_factors(factors), observations)
     own, other = (read_sample(path, axes, quantities) for path in (sample, confirming))
     confirmed = confirmed_table(read_csv(confirmable, point_columns(axes), "the points of a back-analysis"), other, problem)
-    with xr.open_dataset(posterior) as found:
-        points = found.to_dataframe()
+    with xr.open_dataset(posterior) as opened:
+        points = opened.to_dataframe()
     table = read_csv(result, BACK_ANALYSIS, "a back-analysis")
     return confirmed, figure_back_analysis(table, points, confirmed, own, problem, _note(own, fidelity))
 

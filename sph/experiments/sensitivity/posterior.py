@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
 
-from sph.experiments.sensitivity.design import Axis, Observation
+from sph.experiments.sensitivity.factors import Axis, Observation
 from sph.experiments.sensitivity.surrogate import fit_surrogate, known_runs
 
 POINTS = 8192
@@ -80,10 +80,10 @@ class Posterior(NamedTuple):
     @property
     def mass(self) -> np.ndarray:
         """Probability (n,) of every point and all of a greater likelihood."""
-        weights, found = self.weights, np.empty(len(self.shares))
+        weights, mass = self.weights, np.empty(len(self.shares))
         order = np.argsort(-weights)
-        found[order] = np.cumsum(weights[order])
-        return found
+        mass[order] = np.cumsum(weights[order])
+        return mass
 
     @property
     def intervals(self) -> np.ndarray:
@@ -104,21 +104,21 @@ def posterior(predict: Predictor, target: Target, dimensions: int, points: int =
     low, high = np.zeros(dimensions), np.ones(dimensions)
     for _ in range(rounds):
         shares = low + (high - low) * filled
-        found = Posterior(shares, predict(shares), target)
-        if 1.0 / np.sum(found.weights**2) >= FEWEST:
+        distribution = Posterior(shares, predict(shares), target)
+        if 1.0 / np.sum(distribution.weights**2) >= FEWEST:
             break
-        likelihood = found.likelihood
+        likelihood = distribution.likelihood
         counting = shares[likelihood > likelihood.max() - FAINT]
         margin = 2.0 * (high - low) * points ** (-1.0 / dimensions)
         low, high = np.maximum(low, counting.min(axis=0) - margin), np.minimum(high, counting.max(axis=0) + margin)
-    return found
+    return distribution
 
 
-def held(predict: Predictor, found: Posterior, factor: int, share: float) -> Posterior:
+def held(predict: Predictor, distribution: Posterior, factor: int, share: float) -> Posterior:
     """The same points with a factor at a share of its bounds."""
-    shares = found.shares.copy()
+    shares = distribution.shares.copy()
     shares[:, factor] = share
-    return Posterior(shares, predict(shares), found.target)
+    return Posterior(shares, predict(shares), distribution.target)
 
 
 def alone(predict: Predictor, target: Target, best: np.ndarray, factor: int) -> np.ndarray:

@@ -21,8 +21,9 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from sph.experiments.sensitivity.design import Axis, Quantity, SobolSettings
 from sph.experiments.sensitivity.elementary_effects import INTERVAL
+from sph.experiments.sensitivity.factors import Axis, Quantity
+from sph.experiments.sensitivity.schema import SobolSettings
 from sph.experiments.sensitivity.tables import diverged_runs
 from sph.scene.extras import of_extra
 from sph.storage.trajectory import Variable
@@ -98,10 +99,10 @@ def cross_validate(shares: np.ndarray, values: np.ndarray, folds: int, seed: int
 
 def predict_unseen(shares: np.ndarray, fold: np.ndarray, processes: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
     """Prediction (n,) of every run and its standard deviation (n,) by the surrogate that has not seen it."""
-    found = np.empty((2, len(shares)))
+    prediction = np.empty((2, len(shares)))
     for number, process in enumerate(processes):
-        found[:, fold == number] = process.predict(shares[fold == number], return_std=True)
-    return found[0], found[1]
+        prediction[:, fold == number] = process.predict(shares[fold == number], return_std=True)
+    return prediction[0], prediction[1]
 
 
 def predictivity(values: np.ndarray, predicted: np.ndarray) -> float:
@@ -172,7 +173,7 @@ def sobol_tables(
             with threadpool_limits(1):  # two threads on matrices this small, on two cores in use: 12 times as long
                 fold, processes = cross_validate(shares, values, settings.folds, seed)
                 predicted, deviation = predict_unseen(shares, fold, processes)
-                rows = [row | found for row, found in zip(rows, _rows(processes, values, predicted, axes, settings, seed), strict=True)]
+                rows = [row | numbers for row, numbers in zip(rows, _rows(processes, values, predicted, axes, settings, seed), strict=True)]
             parts = {"run": sample["run"][known], "fold": fold, "computed": values, "predicted": predicted, "predicted_sd": deviation}
             validation.append(pd.DataFrame(words | parts)[validation[0].columns])
         indices += rows
@@ -191,7 +192,7 @@ def _rows(
         return np.hstack([function(at) for function in drawn])
 
     parts = sobol_indices(functions, len(axes), settings.points, seed)
-    found = dict(zip(("", "_low", "_high"), parts, strict=True))
+    by_end = dict(zip(("", "_low", "_high"), parts, strict=True))
     q2 = predictivity(values, predicted)
     facts = {
         "q2": q2,
@@ -201,5 +202,5 @@ def _rows(
     }
     lengths = np.median([np.atleast_1d(process.kernel_.k1.k2.length_scale) for process in processes], axis=0)
     for place, length in enumerate(lengths):
-        indices = {f"{name}{end}": part[row, place] for end, part in found.items() for row, name in enumerate(KINDS)}
+        indices = {f"{name}{end}": part[row, place] for end, part in by_end.items() for row, name in enumerate(KINDS)}
         yield facts | indices | {"length_scale": length}

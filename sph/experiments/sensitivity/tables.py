@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sph.experiments.sensitivity.design import ENDS, SAMPLE, Axis, Point, Quantity
+from sph.experiments.sensitivity.design import Point
+from sph.experiments.sensitivity.factors import ENDS, Axis, Quantity
+from sph.experiments.sensitivity.schema import SAMPLE
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.output.run import Run
 from sph.storage.trajectory import Status, Variable

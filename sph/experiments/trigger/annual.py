@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from sph.experiments.trigger.boundaries import who_reaches_what
-from sph.experiments.trigger.fragility import CONFIDENCE, SEED, brackets, fit_brackets
+from sph.experiments.trigger.fragility import CONFIDENCE, brackets, fit_brackets
 from sph.experiments.trigger.hazard import Hazard, annual_frequency
-from sph.experiments.trigger.points import CASE_COLUMN, names
+from sph.experiments.trigger.points import CASE_COLUMN, CLASS_COLUMN, names
 from sph.storage.trajectory import Variable
 from sph.study.tables import number_column, text_column
 
@@ -23,7 +23,7 @@ def annual_columns(units: str) -> tuple[Variable, ...]:
     """The columns of the annual frequencies, with the unit of the intensity."""
     return (
         CASE_COLUMN,
-        text_column("collapse_class", "the class, or a worse one, that is reached"),
+        CLASS_COLUMN,
         number_column(
             "frequency", PER_YEAR, "annual frequency with which it is reached by shaking within the hazard curve; NaN without a fit"
         ),
@@ -56,16 +56,12 @@ def annual_columns(units: str) -> tuple[Variable, ...]:
     )
 
 
-ANNUAL = tuple(names(annual_columns("1")))
-"""Names of these columns."""
-
-
-def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest: float, unit: str, seed: int = SEED) -> pd.DataFrame:
+def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest: float, unit: str) -> pd.DataFrame:
     """One row per case and class, from critical intensities (``read_critical``) searched between two ends, in a ``unit`` as printed."""
-    rows = []
+    rows, columns = [], names(annual_columns("1"))
     searched = hazard.between(lowest, highest)
-    for (case, name), found in critical.groupby(["case", "collapse_class"], sort=False):
-        fit, row = fit_brackets(*brackets(found), seed), dict.fromkeys(ANNUAL, math.nan) | {"case": case, "collapse_class": name}
+    for (case, name), group in critical.groupby(["case", "collapse_class"], sort=False):
+        fit, row = fit_brackets(*brackets(group)), dict.fromkeys(columns, math.nan) | {"case": case, "collapse_class": name}
         row |= {"first": hazard.intensity[0], "last": hazard.intensity[-1], "beyond_last": hazard.frequency[-1]}
         if not math.isnan(fit.best.median):
             (own,), (within,) = (annual_frequency(np.array([fit.best]), curve) for curve in (hazard, searched))
@@ -73,18 +69,18 @@ def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest:
             row |= {"frequency": own, "frequency_lower": low, "frequency_upper": high}
             row |= {"share_searched": within / own if own > 0.0 else math.nan}
             row |= {"probability_at_first": float(fit.best.exceedance(hazard.intensity[:1])[0])}
-        row |= dict(zip(("frequency_least", "frequency_most"), frequency_bounds(found, hazard), strict=True))
+        row |= dict(zip(("frequency_least", "frequency_most"), frequency_bounds(group, hazard), strict=True))
         rows.append(row | {"sentence": sentence(row, unit)})
-    return pd.DataFrame(rows, columns=list(ANNUAL))
+    return pd.DataFrame(rows, columns=columns)
 
 
-def frequency_bounds(found: pd.DataFrame, hazard: Hazard) -> tuple[float, float]:
+def frequency_bounds(critical: pd.DataFrame, hazard: Hazard) -> tuple[float, float]:
     """Least and most annual frequency (1/year) that the brackets of equally likely motions leave possible.
 
-    ``found``: rows of the table of critical intensities.  A motion whose critical intensity is x reaches it H(x) times a year; beyond the
-    last intensity of the curve that is between 0 and its frequency there.  Shaking weaker than the first is left out.
+    ``critical``: rows of the table of critical intensities.  A motion whose critical intensity is x reaches it H(x) times a year;
+    beyond the last intensity of the curve that is between 0 and its frequency there.  Shaking weaker than the first is left out.
     """
-    lower, upper = found["lower"].fillna(0.0).to_numpy(float), found["upper"].fillna(math.inf).to_numpy(float)
+    lower, upper = critical["lower"].fillna(0.0).to_numpy(float), critical["upper"].fillna(math.inf).to_numpy(float)
     known = upper <= hazard.intensity[-1]
     return float(np.mean(known * hazard.exceeded(upper))), float(np.mean(hazard.exceeded(lower)))
 

@@ -82,8 +82,8 @@ def reached(run: Mapping[Any, Any], wanted: str) -> bool | None:
         return None
     if wanted in CLASSES:
         return CLASSES.index(name) >= CLASSES.index(wanted)
-    found = bound(wanted)
-    return bool(float(run[found.column]) >= found.least)
+    limit = bound(wanted)
+    return bool(float(run[limit.column]) >= limit.least)
 
 
 def shown(run: Mapping[Any, Any], wanted: str) -> bool | None:
@@ -91,18 +91,18 @@ def shown(run: Mapping[Any, Any], wanted: str) -> bool | None:
 
     With more rows of particles that debris might come there.
     """
-    found = reached(run, wanted)
-    return None if found is False and wanted not in CLASSES and is_braked(run["findings"]) else found
+    verdict = reached(run, wanted)
+    return None if verdict is False and wanted not in CLASSES and is_braked(run["findings"]) else verdict
 
 
 def in_words(wanted: str) -> str:
     """A boundary as a legend names it."""
     if wanted in CLASSES:
         return f"class {wanted}" + ("" if wanted == COLLAPSE else " or worse")
-    found = bound(wanted)
-    if found.place:
-        return f"{found.place} reached by debris"
-    return f"a {'run-out' if found.quantity == RUNOUT else 'displacement'} of {found.least:g} m"
+    limit = bound(wanted)
+    if limit.place:
+        return f"{limit.place} reached by debris"
+    return f"a {'run-out' if limit.quantity == RUNOUT else 'displacement'} of {limit.least:g} m"
 
 
 def who_reaches_what(wanted: str) -> tuple[str, str]:
@@ -115,5 +115,5 @@ def block_displacement(wanted: str, scene: Scene, settings: MetricSettings) -> f
     """Displacement (m) of a sliding block at which it comes to a boundary; NaN for a run-out, which a block does not have."""
     if wanted in CLASSES:
         return class_displacement(wanted, scene, settings)
-    found = bound(wanted)
-    return found.least if found.quantity == DISPLACEMENT else math.nan
+    limit = bound(wanted)
+    return limit.least if limit.quantity == DISPLACEMENT else math.nan

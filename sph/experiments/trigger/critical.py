@@ -17,7 +17,8 @@ from typing import Any
 import pandas as pd
 
 from sph.experiments.trigger.boundaries import block_displacement, shown
-from sph.experiments.trigger.design import INTENSITIES, Searched
+from sph.experiments.trigger.design import Searched
+from sph.experiments.trigger.hazard import INTENSITIES
 from sph.experiments.trigger.points import Key, columns_in, label_columns, names
 from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED, MetricSettings
 from sph.scene.configuration import merge
@@ -129,14 +130,14 @@ def coarser_cases(scenes: Mapping[str, Scene]) -> dict[str, tuple[str, float]]:
     """
     spacings = {case: scene.numerics.spacing for case, scene in scenes.items()}
     alike = {case: merge(scene.model_dump(), {"numerics": {"spacing": None}}) for case, scene in scenes.items()}
-    found = {}
+    nearest_coarser = {}
     for case, spacing in spacings.items():
         ratios = {other: spacings[other] / spacing for other in scenes if alike[other] == alike[case] and scenes[case].coupling.softening}
         coarser = [other for other, ratio in ratios.items() if ratio >= MIN_RATIO]
         if coarser:
             nearest = min(coarser, key=lambda other: abs(ratios[other] - RATIO))
-            found[case] = nearest, ratios[nearest]
-    return found
+            nearest_coarser[case] = nearest, ratios[nearest]
+    return nearest_coarser
 
 
 def block_estimates(
@@ -152,15 +153,15 @@ def block_estimates(
     ``scenes`` are shaken at the ``highest`` intensity, each by the motion that its values give; ``yields`` are the yield accelerations
     (m/s2) of their slopes, as far as they were searched.
     """
-    power, found = INTENSITIES[searched.intensity_name], dict[Key, dict[str, dict[str, float]]]()
+    power, estimates = INTENSITIES[searched.intensity_name].power, dict[Key, dict[str, dict[str, float]]]()
     for at, scene in scenes.items():
         yield_acceleration = yields.get(at, math.nan)
         factors = {name: newmark_factor(scene, yield_acceleration, block_displacement(name, scene, settings)) for name in classes}
-        found[at] = {
+        estimates[at] = {
             name: {"yield_acceleration": yield_acceleration, "newmark_intensity": highest * factor ** (1.0 / power)}
             for name, factor in factors.items()
         }
-    return found
+    return estimates
 
 
 def critical_table(
@@ -192,11 +193,11 @@ def critical_table(
             **dict(zip(at, (case, *values), strict=True)),
             "collapse_class": name,
             "intensity": searched.intensity_name,
-            **found,
+            **bracketed,
             **at_zero(case, (*values, name)),
             **estimates[case, *values][name],
         }
-        for (case, *values, name), found in brackets.items()
+        for (case, *values, name), bracketed in brackets.items()
     ]
     return pd.DataFrame(rows, columns=names(critical_columns(searched)))
 

@@ -13,9 +13,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from sph.experiments.trigger.design import INTENSITIES, Searched
-from sph.experiments.trigger.fragility import CONFIDENCE, RESAMPLES, SEED, Conversion, brackets, decided, fit_brackets
-from sph.experiments.trigger.points import CASE_COLUMN, Key, label_columns, names
+from sph.experiments.trigger.design import Searched
+from sph.experiments.trigger.fragility import CONFIDENCE, RESAMPLES, Conversion, brackets, decided, fit_brackets
+from sph.experiments.trigger.hazard import INTENSITIES
+from sph.experiments.trigger.points import CASE_COLUMN, CLASS_COLUMN, Key, label_columns, names
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.spectrum import DAMPING, pseudo_acceleration
 from sph.scene.loading import loading_of
@@ -33,7 +34,7 @@ SAME = {"amplitude": PGA, "motion.peak_velocity": PGV, "motion.arias_intensity":
 
 MEASURE_COLUMNS = (
     CASE_COLUMN,
-    text_column("collapse_class", "the class, or a worse one, that is reached"),
+    CLASS_COLUMN,
     count_column("rank", "rank in the case and class by scatter, beta over the power; 1: the least"),
     text_column(
         "measure", f"measure of the horizontal motion; spectral acceleration with {DAMPING:.0%} damping, or the intensity searched"
@@ -60,14 +61,14 @@ def motion_measures(scene: Scene, periods: Sequence[float]) -> dict[str, float]:
         return {}
     loading = loading_of(scene)
     interval = float(loading.time[1])
-    found = measure(loading.ground, interval)
+    measured = measure(loading.ground, interval)
     spectrum = pseudo_acceleration(loading.ground, interval, np.array(periods)) if periods else ()
-    own = {PGA: found.peak_acceleration, PGV: found.peak_velocity, ARIAS: found.arias_intensity}
+    own = {PGA: measured.peak_acceleration, PGV: measured.peak_velocity, ARIAS: measured.arias_intensity}
     return own | {f"spectral acceleration at {period:g} s": float(value) for period, value in zip(periods, spectrum, strict=True)}
 
 
 def measures_table(
-    critical: pd.DataFrame, motions: Mapping[Key, Mapping[str, float]], reference: float, searched: Searched, seed: int = SEED
+    critical: pd.DataFrame, motions: Mapping[Key, Mapping[str, float]], reference: float, searched: Searched
 ) -> pd.DataFrame:
     """One row per case, class and measure, the most efficient first, from critical intensities (``read_critical``).
 
@@ -75,9 +76,9 @@ def measures_table(
     without measures, or one that stands still.
     """
     at, rows = names(label_columns(searched.others)), []
-    own, grows = searched.intensity_name, INTENSITIES[searched.intensity_name]
-    for (case, name), found in critical.groupby(["case", "collapse_class"], sort=False):
-        known = decided(found)
+    own, grows = searched.intensity_name, INTENSITIES[searched.intensity_name].power
+    for (case, name), group in critical.groupby(["case", "collapse_class"], sort=False):
+        known = decided(group)
         measured = pd.DataFrame([motions[tuple(map(str, key))] for key in known[at].itertuples(index=False, name=None)])
         if not len(measured.columns) or not (measured.to_numpy() > 0.0).all():
             continue
@@ -87,7 +88,7 @@ def measures_table(
             fits[label] = Conversion(measured[label].to_numpy() / reference**power, power)
         of_class = []
         for label, conversion in fits.items():
-            fit = fit_brackets(*brackets(found), seed, conversion)
+            fit = fit_brackets(*brackets(group), conversion)
             ends = fit.interval(fit.samples[:, 1])
             is_searched = label == SAME.get(own, own)
             power = 1.0 / grows if is_searched else POWERS.get(label, 1.0)

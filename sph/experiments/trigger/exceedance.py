@@ -10,6 +10,7 @@ that it does not exceed: with more rows of particles it might.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
@@ -43,8 +44,14 @@ def exceedance_columns(units: str) -> tuple[Variable, ...]:
     )
 
 
-EXCEEDANCE = tuple(names(exceedance_columns("1")))
-"""Names of these columns."""
+def _shaken_alike(points: pd.DataFrame, searched: Searched) -> Iterator[tuple[str, float, pd.DataFrame]]:
+    """Case, intensity and runs, for each intensity at which all values of a case were run."""
+    at = names(label_columns(searched.others))
+    for case, line in points.groupby("case", sort=False):
+        values = len(line[at].drop_duplicates())
+        for intensity, runs in sorted(line.groupby(line[searched.intensity_name].astype(float))):
+            if len(runs) == values:
+                yield str(case), intensity, runs
 
 
 def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
@@ -52,25 +59,22 @@ def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
 
     No rows for a metric that runs of a case lack without having diverged, as the run-out of a shape without a slope.
     """
-    at, rows = names(label_columns(searched.others)), []
-    for case, line in points.groupby("case", sort=False):
-        values, of_class = len(line[at].drop_duplicates()), line["collapse_class"] != UNDETERMINED
-        depths = [column_of(place, DEPTH) for place in places_in(line.columns)]
-        known = [name for name in (*LENGTHS, *depths) if line.loc[of_class, name].notna().all()]
-        for intensity, runs in sorted(line.groupby(line[searched.intensity_name].astype(float))):
-            if len(runs) < values:
-                continue
-            diverged = runs["collapse_class"] == UNDETERMINED
-            moving = int((~diverged & (runs["still_moving"] > 0)).sum())
-            braked = runs.loc[~diverged, "findings"].map(is_braked).to_numpy(bool)
-            for name in known:
-                lengths = runs.loc[~diverged, name].to_numpy(float)
-                for length in np.unique(np.append(lengths, 0.0)):
-                    beyond = lengths > length
-                    counts = (len(runs), int(beyond.sum()), int(diverged.sum()), moving, int(braked.sum()))
-                    shares = (beyond.sum() / len(runs), ((beyond | braked).sum() + diverged.sum()) / len(runs))
-                    rows.append((case, intensity, name, float(length), *counts, *shares))
-    return pd.DataFrame(rows, columns=list(EXCEEDANCE))
+    rows = []
+    depths = [column_of(place, DEPTH) for place in places_in(points.columns)]
+    of_class = points[points["collapse_class"] != UNDETERMINED].groupby("case", sort=False)
+    lacking = {(case, name) for case, line in of_class for name in (*LENGTHS, *depths) if line[name].isna().any()}
+    for case, intensity, runs in _shaken_alike(points, searched):
+        diverged = runs["collapse_class"] == UNDETERMINED
+        moving = int((~diverged & (runs["still_moving"] > 0)).sum())
+        braked = runs.loc[~diverged, "findings"].map(is_braked).to_numpy(bool)
+        for name in (name for name in (*LENGTHS, *depths) if (case, name) not in lacking):
+            lengths = runs.loc[~diverged, name].to_numpy(float)
+            for length in np.unique(np.append(lengths, 0.0)):
+                beyond = lengths > length
+                counts = (len(runs), int(beyond.sum()), int(diverged.sum()), moving, int(braked.sum()))
+                shares = (beyond.sum() / len(runs), ((beyond | braked).sum() + diverged.sum()) / len(runs))
+                rows.append((case, intensity, name, float(length), *counts, *shares))
+    return pd.DataFrame(rows, columns=names(exceedance_columns("1")))
 
 
 SHARES = (0.5, 0.84, 0.95)
@@ -84,11 +88,6 @@ def width_within(runouts: np.ndarray, share: float) -> float:
     return float(ordered[max(math.ceil(share * ordered.size - 1e-9) - 1, 0)]) if ordered.size else math.nan
 
 
-def width_name(share: float) -> str:
-    """Name of the column of the width that a share of the runs does not pass."""
-    return f"width_{100.0 * share:.0f}"
-
-
 def width_columns(units: str) -> tuple[Variable, ...]:
     """The columns of the widths, with the unit of the intensity."""
     return (
@@ -100,7 +99,9 @@ def width_columns(units: str) -> tuple[Variable, ...]:
         count_column("braked", "others whose debris is braked, which count as diverged ones do: their run-out is a lower bound"),
         *(
             number_column(
-                width_name(share), "m", f"smallest run-out that {share:.0%} of the runs do not pass; infinite: too many are unknown"
+                f"width_{100.0 * share:.0f}",
+                "m",
+                f"smallest run-out that {share:.0%} of the runs do not pass; infinite: too many are unknown",
             )
             for share in SHARES
         ),
@@ -110,16 +111,13 @@ def width_columns(units: str) -> tuple[Variable, ...]:
 
 def widths(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
     """One row per case and intensity at which all values were run; none for a case without run-out."""
-    at, rows = names(label_columns(searched.others)), []
-    for case, line in points.groupby("case", sort=False):
-        values = len(line[at].drop_duplicates())
-        for intensity, runs in sorted(line.groupby(line[searched.intensity_name].astype(float))):
-            runouts = runs["runout"].to_numpy(float)
-            diverged = runs["collapse_class"] == UNDETERMINED
-            if len(runs) == values and np.isnan(runouts).sum() == diverged.sum():
-                widest = float(np.nanmax(runouts)) if not diverged.all() else math.nan
-                braked = ~diverged & runs["findings"].map(is_braked)
-                counts = (len(runs), int(diverged.sum()), int((~diverged & (runs["still_moving"] > 0)).sum()), int(braked.sum()))
-                known = np.where(braked, math.nan, runouts)
-                rows.append((case, intensity, *counts, *(width_within(known, share) for share in SHARES), widest))
+    rows = []
+    for case, intensity, runs in _shaken_alike(points, searched):
+        runouts, diverged = runs["runout"].to_numpy(float), runs["collapse_class"] == UNDETERMINED
+        if np.isnan(runouts).sum() == diverged.sum():
+            widest = float(np.nanmax(runouts)) if not diverged.all() else math.nan
+            braked = ~diverged & runs["findings"].map(is_braked)
+            counts = (len(runs), int(diverged.sum()), int((~diverged & (runs["still_moving"] > 0)).sum()), int(braked.sum()))
+            known = np.where(braked, math.nan, runouts)
+            rows.append((case, intensity, *counts, *(width_within(known, share) for share in SHARES), widest))
     return pd.DataFrame(rows, columns=names(width_columns("1")))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from sph.experiments.base import metric_label
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, BRAKED, NEVER
 from sph.experiments.trigger.design import Searched
 from sph.figures.style import (
@@ -41,40 +42,29 @@ GRID_POINTS = 241
 """Points along each side of a map's background."""
 
 
-class Mapped(NamedTuple):
-    """A quantity of a map: its column and its words."""
-
-    column: str
-    label: str
+MAPPED = {"displacement": "displacement_magnitude", "runout": "runout", "failed": "failed_fraction"}
+"""The metrics that are mapped, by the names in files."""
 
 
-MAPPED = {
-    "displacement": Mapped("displacement_magnitude", "displacement of A (m)"),
-    "runout": Mapped("runout", "run-out (m)"),
-    "failed": Mapped("failed_fraction", "failed fraction of the soil"),
-}
-"""The quantities that are mapped, by name."""
-
-
-def _words(found: Dimension, value: str) -> str:
+def _words(dimension: Dimension, value: str) -> str:
     """A dimension and one of its values."""
-    return written(found.equation(value))
+    return written(dimension.equation(value))
 
 
-def _axis(found: Dimension) -> str:
+def _axis(dimension: Dimension) -> str:
     """Name of an axis."""
-    return written(found.phrase if found.name == "S_R" else found.label)
+    return written(dimension.phrase if dimension.name == "S_R" else dimension.label)
 
 
 def _at(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> pd.Series:
     """What every row is at, in words: the values of some dimensions."""
-    return table.apply(lambda row: ", ".join(_words(found, row[found.name]) for found in dimensions), axis=1)
+    return table.apply(lambda row: ", ".join(_words(dimension, row[dimension.name]) for dimension in dimensions), axis=1)
 
 
 def _across(table: pd.DataFrame, others: Sequence[Dimension]) -> tuple[Dimension | None, list[Dimension]]:
     """The dimension along the horizontal axis, the first of numbers if there is one, and the rest."""
-    x = next((found for found in others if table[found.name].map(is_number).all()), None)
-    return x, [found for found in others if found != x]
+    x = next((each for each in others if table[each.name].map(is_number).all()), None)
+    return x, [each for each in others if each != x]
 
 
 @styled
@@ -158,9 +148,9 @@ def _draw_estimate(ax: Axes, rows: pd.DataFrame, column: str, by_case: bool, **l
 
 def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
     rows = rows.sort_values("x")
-    found = rows[rows["outcome"] == BRACKETED]
-    error = found["resolution_error"].to_numpy()
-    ax.errorbar(found["x"], found["critical_intensity"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
+    bracketed = rows[rows["outcome"] == BRACKETED]
+    error = bracketed["resolution_error"].to_numpy()
+    ax.errorbar(bracketed["x"], bracketed["critical_intensity"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
     for where, column, look_of_mark, _ in _marked(rows):
         _draw_marks(ax, rows[where], column, **look_of_mark, color=look["color"])
 
@@ -203,18 +193,18 @@ def figure_class_map(points: pd.DataFrame, searched: Searched, note: str = "") -
 
 
 @styled
-def figure_map(points: pd.DataFrame, searched: Searched, mapped: Mapped, note: str = "") -> Figure:
-    """A quantity over a dimension and the intensity, a column per value of the rest and a row per case, linear between the points.
+def figure_map(points: pd.DataFrame, searched: Searched, metric: str, note: str = "") -> Figure:
+    """A metric over a dimension and the intensity, a column per value of the rest and a row per case, linear between the points.
 
     ``points`` as from ``read_points``, drawn as dots; crosses diverged.  Raises ValueError for an empty table.
     """
     figure, panels = _panels(points, searched)
-    highest = float(np.nanmax(points[mapped.column].to_numpy(), initial=0.0)) or 1.0
+    highest = float(np.nanmax(points[metric].to_numpy(), initial=0.0)) or 1.0
     for ax, plane in panels:
-        known = plane[plane[mapped.column].notna()]
-        ground = _draw_ground(ax, known, known[mapped.column].to_numpy(), cmap=colour_map("lajolla_r"), vmin=0.0, vmax=highest)
+        known = plane[plane[metric].notna()]
+        ground = _draw_ground(ax, known, known[metric].to_numpy(), cmap=colour_map("lajolla_r"), vmin=0.0, vmax=highest)
         _draw_points(ax, plane)
-    figure.colorbar(ground, ax=[ax for ax, _ in panels], label=mapped.label, pad=0.02, aspect=30)
+    figure.colorbar(ground, ax=[ax for ax, _ in panels], label=metric_label(metric), pad=0.02, aspect=30)
     figure.legend(handles=_point_handles(points), loc="outside upper center", ncols=2)
     write_note(figure, note)
     return figure
@@ -227,7 +217,7 @@ def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tupl
     across, *rest = searched.others
     points = points.assign(x=points[across.name].astype(float), y=points[searched.intensity_name].astype(float), plane=_at(points, rest))
     cases = list(dict.fromkeys(points["case"]))
-    undivided = points[points["round"] == 0].sort_values([found.name for found in rest], key=lambda column: column.astype(float))
+    undivided = points[points["round"] == 0].sort_values([each.name for each in rest], key=lambda column: column.astype(float))
     planes = list(dict.fromkeys(undivided["plane"]))
     figure = Figure(figsize=(WIDTH, 0.7 + 2.4 * len(cases)), layout="constrained")
     axes = figure.subplots(len(cases), len(planes), sharex=True, sharey=True, squeeze=False)
@@ -304,7 +294,7 @@ def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> F
             for bound in (low, high):
                 ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
         ax.set(xlabel=plain(searched.intensity.label), xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
-    axes[0].set_ylabel(written(f"share of the values of {' and '.join(found.symbol for found in searched.others)} searched"))
+    axes[0].set_ylabel(written(f"share of the values of {' and '.join(each.symbol for each in searched.others)} searched"))
     label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
     handles = [
         Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between the bounds")

@@ -70,8 +70,8 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
 def _words(fit: dict[str, object], unit: str) -> str:
     """Class, parameters and counts of a fit."""
     name = in_words(str(fit["collapse_class"])).removeprefix("class ")
-    found = "no fit" if fit["median"] != fit["median"] else plain(f"θ = {fit['median']:.3g} {unit}, β = {fit['dispersion']:.2g}")
+    parameters = "no fit" if fit["median"] != fit["median"] else plain(f"θ = {fit['median']:.3g} {unit}, β = {fit['dispersion']:.2g}")
     others = {"never": "never reached", "at_lowest": "reached at the lowest", "undecided": "diverged", "braked": "braked"}
     others |= {"not_monotone": "not monotone"}
     counted = [f"{fit[column]} {words}" for column, words in others.items() if fit[column]]
-    return "\n".join([name, found, f"{fit['motions']} motions" + "".join(f", {each}" for each in counted[:1]), *counted[1:]])
+    return "\n".join([name, parameters, f"{fit['motions']} motions" + "".join(f", {each}" for each in counted[:1]), *counted[1:]])

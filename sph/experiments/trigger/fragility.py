@@ -16,7 +16,8 @@ import scipy  # type: ignore[import-untyped]
 
 from sph.experiments.trigger.boundaries import who_reaches_what
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, BRAKED, NEVER, UNDECIDED
-from sph.experiments.trigger.points import CASE_COLUMN, names
+from sph.experiments.trigger.hazard import log_between
+from sph.experiments.trigger.points import CASE_COLUMN, CLASS_COLUMN, names
 from sph.scene.units import GRAVITY
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import shown_unit
@@ -69,10 +70,10 @@ def fits(lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     Royal Statistical Society B 43 (1), 41-45).  ``scipy.stats.lognorm.fit`` of ``CensoredData`` finds the same to the fifth digit in
     0.6 to 1.2 s a sample (SciPy 1.17); the ``RESAMPLES`` of an interval take 0.3 to 0.8 s here together, on the same processor.
     """
-    found = np.full((len(lower), 2), math.nan)
+    parameters = np.full((len(lower), 2), math.nan)
     rows = np.flatnonzero(lower.max(axis=1, initial=0.0) > upper.min(axis=1, initial=math.inf))
     if lower.shape[1] < 2 or not rows.size:
-        return found
+        return parameters
     with np.errstate(divide="ignore"):
         logs = np.log(np.stack([lower[rows], upper[rows]]))
     known = np.isfinite(logs)
@@ -104,18 +105,16 @@ def fits(lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     dispersion = 1.0 / at[:, 0]
     settled = (np.abs(step) <= CONVERGED * (1.0 + np.abs(at))).all(axis=1)
     inside = settled & (dispersion > DISPERSIONS[0]) & (dispersion < DISPERSIONS[1])
-    found[rows[inside]] = np.stack([np.exp(centre + at[:, 1] * dispersion), dispersion], axis=1)[inside]
-    return found
+    parameters[rows[inside]] = np.stack([np.exp(centre + at[:, 1] * dispersion), dispersion], axis=1)[inside]
+    return parameters
 
 
 def _likelihood(ends: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Logarithm of the likelihood (m,), its gradient (m, 2) and second derivatives (m, 2, 2) in 1 / beta and mean / beta, from the
     logarithms of the ends (2, m, n)."""
     low, high = at[:, :1] * ends - at[:, 1:]
-    turned = low > 0.0  # in the upper tail the difference is that of the other side
-    below, above = np.where(turned, -high, low), np.where(turned, -low, high)
     with np.errstate(divide="ignore", invalid="ignore"):
-        between = scipy.special.log_ndtr(above) + np.log1p(-np.exp(scipy.special.log_ndtr(below) - scipy.special.log_ndtr(above)))
+        between = log_between(low, high)
         density = np.exp(-0.5 * np.stack([low, high]) ** 2 - 0.5 * math.log(2.0 * math.pi) - between)
     signed = np.array([-1.0, 1.0])[:, None, None] * density
     finite = np.isfinite(ends)
@@ -161,10 +160,10 @@ class Fit(NamedTuple):
         return np.quantile(values, TAILS, axis=0) if len(values) else np.full((2, *values.shape[1:]), math.nan)
 
 
-def fit_brackets(lower: np.ndarray, upper: np.ndarray, seed: int = SEED, conversion: Conversion = AS_SEARCHED) -> Fit:
+def fit_brackets(lower: np.ndarray, upper: np.ndarray, conversion: Conversion = AS_SEARCHED) -> Fit:
     """The fit to brackets (n,), of the measure that ``conversion`` makes of the intensity, with its samples (``resampled``)."""
     best = fitted(conversion.measured(lower), conversion.measured(upper))
-    drawn = np.empty((0, 2)) if math.isnan(best.median) else resampled(lower, upper, seed=seed, conversion=conversion)
+    drawn = np.empty((0, 2)) if math.isnan(best.median) else resampled(lower, upper, conversion=conversion)
     kept = drawn[~np.isnan(drawn[:, 0])]
     return Fit(best, kept, len(drawn) - len(kept))
 
@@ -216,8 +215,8 @@ def lognormality(values: np.ndarray, seed: int = SEED) -> tuple[float, float]:
     """
     if values.size < FEWEST or np.ptp(values) == 0.0:
         return math.nan, math.nan
-    found = scipy.stats.goodness_of_fit(scipy.stats.norm, np.log(values), statistic="ks", n_mc_samples=999, rng=np.random.default_rng(seed))
-    return float(found.statistic), float(found.pvalue)
+    test = scipy.stats.goodness_of_fit(scipy.stats.norm, np.log(values), statistic="ks", n_mc_samples=999, rng=np.random.default_rng(seed))
+    return float(test.statistic), float(test.pvalue)
 
 
 def fit_columns(units: str) -> tuple[Variable, ...]:
@@ -225,7 +224,7 @@ def fit_columns(units: str) -> tuple[Variable, ...]:
     share = f"{CONFIDENCE:.0%} interval by {RESAMPLES} samples drawn from the fit (parametric bootstrap)"
     return (
         CASE_COLUMN,
-        text_column("collapse_class", "the class, or a worse one, that is reached"),
+        CLASS_COLUMN,
         text_column("intensity", "the dimension that is searched"),
         count_column("motions", "motions, or other values, at which it was searched"),
         count_column("bracketed", f"those with outcome {BRACKETED}"),
@@ -250,10 +249,6 @@ def fit_columns(units: str) -> tuple[Variable, ...]:
     )
 
 
-FIT = tuple(names(fit_columns("1")))
-"""Names of these columns."""
-
-
 def brackets(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """Ends (n,) of the brackets in rows of the table of critical intensities; 0 and infinity where open.  Those without: left out."""
     known = decided(rows)
@@ -269,7 +264,7 @@ def curve_columns(units: str) -> tuple[Variable, ...]:
     """The columns of the curves, with the unit of the intensity."""
     return (
         CASE_COLUMN,
-        text_column("collapse_class", "the class, or a worse one, that is reached"),
+        CLASS_COLUMN,
         number_column("intensity", units, "intensity of the shaking"),
         number_column("probability", "1", "probability that the class is reached"),
         number_column("probability_lower", "1", f"lower end of its {CONFIDENCE:.0%} interval by the same samples as that of the median"),
@@ -277,31 +272,31 @@ def curve_columns(units: str) -> tuple[Variable, ...]:
     )
 
 
-def fragility(critical: pd.DataFrame, unit: str, seed: int = SEED) -> tuple[pd.DataFrame, pd.DataFrame]:
+def fragility(critical: pd.DataFrame, unit: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Fits, one row per case and class, and their curves, from critical intensities (``read_critical``) in a ``unit`` as printed."""
     rows, curves = [], list[pd.DataFrame]()
     highest = 1.2 * float(critical[["lower", "upper"]].max().max())
-    for (case, name, intensity), found in critical.groupby(["case", "collapse_class", "intensity"], sort=False):
-        fit = fit_brackets(*brackets(found), seed)
+    for (case, name, intensity), group in critical.groupby(["case", "collapse_class", "intensity"], sort=False):
+        fit = fit_brackets(*brackets(group))
         ends = fit.interval(fit.samples)
         if len(fit.samples):
             at = np.linspace(highest / POINTS, highest, POINTS)
             band = fit.interval(np.array([Lognormal(*sample).exceedance(at) for sample in fit.samples]))
             values = (case, name, at, fit.best.exceedance(at), *band)
             curves.append(pd.DataFrame(dict(zip(names(curve_columns("1")), values, strict=True))))
-        closed = (found["outcome"] == BRACKETED).all()
-        distance, p_value = lognormality(found["critical_intensity"].to_numpy(float), seed) if closed else (math.nan, math.nan)
-        counts = {label: int((found["outcome"] == outcome).sum()) for label, outcome in OUTCOMES.items()}
+        closed = (group["outcome"] == BRACKETED).all()
+        distance, p_value = lognormality(group["critical_intensity"].to_numpy(float)) if closed else (math.nan, math.nan)
+        counts = {label: int((group["outcome"] == outcome).sum()) for label, outcome in OUTCOMES.items()}
         row = {
-            "case": case, "collapse_class": name, "intensity": intensity, "motions": len(found), **counts,
-            "not_monotone": int((found["changes"] > 1).sum()), "diverged": int(found["diverged"].sum()),
+            "case": case, "collapse_class": name, "intensity": intensity, "motions": len(group), **counts,
+            "not_monotone": int((group["changes"] > 1).sum()), "diverged": int(group["diverged"].sum()),
             "median": fit.best.median, "median_lower": ends[0, 0], "median_upper": ends[1, 0],
             "dispersion": fit.best.dispersion, "dispersion_lower": ends[0, 1], "dispersion_upper": ends[1, 1],
             "resamples_without_fit": fit.without, "distance": distance, "p_value": p_value,
         }  # fmt: skip
         rows.append(row | {"sentence": sentence(row, unit)})
     drawn = pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=names(curve_columns("1")))
-    return pd.DataFrame(rows, columns=list(FIT)), drawn
+    return pd.DataFrame(rows, columns=names(fit_columns("1"))), drawn
 
 
 OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "undecided": UNDECIDED, "braked": BRAKED}

@@ -27,9 +27,11 @@ NONE = Units({}, rf"{SPEEDS.others}|{ACCELERATIONS.others}|{'|'.join((*SPEEDS.kn
 """Of a factor."""
 
 
-class Intensity(NamedTuple):
-    """How the head of a column of intensities is written."""
+class Scaling(NamedTuple):
+    """What scales the shaking, and how the head of a column of it is written."""
 
+    power: float
+    """in proportion to which of its powers the accelerations are"""
     units: Units
     names: str
     """words, of which one names the intensity"""
@@ -40,13 +42,13 @@ class Intensity(NamedTuple):
 
 BESIDE = "peak ground horizontal rock outcrop maximum max mean median of in at the"
 INTENSITIES = {
-    "amplitude": Intensity(ACCELERATIONS, "amplitude pga pha acceleration accel acc a", f"{BESIDE} intensity level", "PGA (g)"),
-    "motion.factor": Intensity(NONE, "factor", "motion record scale scaling on of the", "factor"),
-    "motion.peak_velocity": Intensity(SPEEDS, "velocity vel pgv", BESIDE, "PGV (cm/s)"),
-    "motion.arias_intensity": Intensity(SPEEDS, "arias ia", f"{BESIDE} intensity", "Arias intensity (m/s)"),
-    "motion.spectral_acceleration.value": Intensity(ACCELERATIONS, "sa", "in", "SA(0.5 s) (g)"),
+    "amplitude": Scaling(1.0, ACCELERATIONS, "amplitude pga pha acceleration accel acc a", f"{BESIDE} intensity level", "PGA (g)"),
+    "motion.factor": Scaling(1.0, NONE, "factor", "motion record scale scaling on of the", "factor"),
+    "motion.peak_velocity": Scaling(1.0, SPEEDS, "velocity vel pgv", BESIDE, "PGV (cm/s)"),
+    "motion.arias_intensity": Scaling(0.5, SPEEDS, "arias ia", f"{BESIDE} intensity", "Arias intensity (m/s)"),
+    "motion.spectral_acceleration.value": Scaling(1.0, ACCELERATIONS, "sa", "in", "SA(0.5 s) (g)"),
 }
-"""By the dimension that is searched."""
+"""What can be searched, by dimension."""
 PERIOD = re.compile(
     r"\s*(?:p?sa|spectral[\s_]+acc\w*)[\s_]*[(\[]?\s*(?:t\s*=\s*)?(\d+\.?\d*|\.\d+)\s*(?:s|sec)?(?![a-z\d.])\s*[)\]]?(.*)", re.I
 )
@@ -121,10 +123,10 @@ def read_hazard(path: Path | str, dimension: str) -> Hazard:
 
 def _intensity(where: str, name: str, dimension: str) -> tuple[float, float | None]:
     """The unit (SI) of the intensities below a head, and the period of a spectral acceleration (s)."""
-    wanted, found = INTENSITIES[dimension], PERIOD.fullmatch(name)
-    period = float(found[1]) if found else None
+    wanted, spectral = INTENSITIES[dimension], PERIOD.fullmatch(name)
+    period = float(spectral[1]) if spectral else None
     try:
-        size, rest = read_head(f"SA {found[2]}" if found else name, wanted.units)
+        size, rest = read_head(f"SA {spectral[2]}" if spectral else name, wanted.units)
     except ValueError as error:
         raise ValueError(f"{where}: {error}; name the column as in {wanted.example!r}") from error
     if size is None and wanted.units.known:
@@ -158,6 +160,13 @@ def _said(name: str) -> set[str]:
     return set(re.findall(r"\d+|[^\W\d_]+|[%‰*×^·]", plain.casefold()))
 
 
+def log_between(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Natural logarithm of the standard normal probability between two values, arrays of one shape."""
+    turned = low > 0.0  # in the upper tail the difference is that of the other side
+    below, above = scipy.special.log_ndtr(np.where(turned, -high, low)), scipy.special.log_ndtr(np.where(turned, -low, high))
+    return above + np.log1p(-np.exp(below - above))
+
+
 def annual_frequency(fits: np.ndarray, hazard: Hazard) -> np.ndarray:
     """Integral of P |dH| over the hazard curve (m,), 1/year, of lognormal fragilities with medians and dispersions (m, 2).
 
@@ -174,8 +183,5 @@ def annual_frequency(fits: np.ndarray, hazard: Hazard) -> np.ndarray:
     reach = (logs - mu) / beta
     by_parts = np.diff(scipy.special.ndtr(reach) * hazard.frequency, axis=1)
     low, high = reach[:, :-1] + slope * beta, reach[:, 1:] + slope * beta
-    turned = low > 0.0  # in the upper tail the difference is that of the other side
-    below, above = np.where(turned, -high, low), np.where(turned, -low, high)
-    between = scipy.special.log_ndtr(above) + np.log1p(-np.exp(scipy.special.log_ndtr(below) - scipy.special.log_ndtr(above)))
-    moment = np.exp(levels[:-1] + slope * (logs[:-1] - mu) + 0.5 * (slope * beta) ** 2 + between)
+    moment = np.exp(levels[:-1] + slope * (logs[:-1] - mu) + 0.5 * (slope * beta) ** 2 + log_between(low, high))
     return np.sum(moment - by_parts, axis=1)

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from sph.experiments.trigger.design import Lattice, Searched
-from sph.experiments.trigger.points import CASE_COLUMN, division, names, runs_found
+from sph.experiments.trigger.points import CASE_COLUMN, CLASS_COLUMN, division, names, runs_found
 from sph.experiments.trigger.refinement import Cell, leaves
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.storage.trajectory import Variable
@@ -26,8 +26,8 @@ ENDS = ("lower", "upper")
 
 def cell_columns(searched: Searched) -> tuple[Variable, ...]:
     """The columns of a cell."""
-    others = ", ".join(found.name for found in searched.others)
-    axes = [found.variable(listed=False) for found in searched.all]
+    others = ", ".join(each.name for each in searched.others)
+    axes = [each.variable(listed=False) for each in searched.all]
     return (
         CASE_COLUMN,
         *(number_column(f"{axis.name}_{end}", axis.units, f"{axis.text}: {end} end of the cell") for axis in axes for end in ENDS),
@@ -41,10 +41,10 @@ def cell_columns(searched: Searched) -> tuple[Variable, ...]:
 
 def share_columns(searched: Searched) -> tuple[Variable, ...]:
     """The columns of a share; an interval of intensities is one in which the cells do not change."""
-    axis, others = searched.intensity.variable(listed=False), ", ".join(found.name for found in searched.others)
+    axis, others = searched.intensity.variable(listed=False), ", ".join(each.name for each in searched.others)
     return (
         CASE_COLUMN,
-        text_column("collapse_class", "the class, or a worse one, that is reached"),
+        CLASS_COLUMN,
         *(number_column(f"{axis.name}_{end}", axis.units, f"{end} end of the interval of intensities") for end in ENDS),
         number_column("share_lower", "1", f"share of the range of {others} in cells of which all points reach the class"),
         number_column("share_upper", "1", "the same in cells of which at least one point reaches it or diverged"),
@@ -64,11 +64,11 @@ def map_cells(
         for cell in leaves(counts, division(lattice, runs, boundaries), levels):
             bounds = _bounds(lattice, cell)
             inside = np.all([(values[name] >= low) & (values[name] <= high) for name, (low, high) in bounds.items()], axis=0)
-            found = [name for name in CLASSES if name in set(own["collapse_class"][inside])] or [UNDETERMINED]
+            classes = [name for name in CLASSES if name in set(own["collapse_class"][inside])] or [UNDETERMINED]
             ends = {f"{name}_{end}": bounds[name][at] for name in lattice.names for at, end in enumerate(ENDS)}
-            facts = {"least_class": found[0], "worst_class": found[-1], "points": int(inside.sum())}
+            facts = {"least_class": classes[0], "worst_class": classes[-1], "points": int(inside.sum())}
             diverged = int((own["collapse_class"][inside] == UNDETERMINED).sum())
-            others = [lattice.spans[found.name].cells for found in searched.others]
+            others = [lattice.spans[each.name].cells for each in searched.others]
             share = cell.size ** len(others) / np.prod(others)
             rows.append({"case": lattice.case, **ends, "share": float(share), **facts, "diverged": diverged})
     columns = names(cell_columns(searched))

@@ -162,8 +162,8 @@ def draw_map(points: str, name: str, searched: Searched, note: str) -> Figure:
     """Map over a dimension of the search and the intensity, linear between the runs (dots); for the class, between its ranks. Crosses are
     runs that diverged and have no value.
     """
-    found = read_points(points)
-    return figure_map(found, searched, MAPPED[name], note) if name in MAPPED else figure_class_map(found, searched, note)
+    table = read_points(points)
+    return figure_map(table, searched, MAPPED[name], note) if name in MAPPED else figure_class_map(table, searched, note)
 
 
 def draw_shares(shares: str, searched: Searched, note: str) -> Figure:

@@ -18,6 +18,7 @@ from sph.study.dimensions import Dimension, is_number
 from sph.study.tables import FINDINGS, ROW, columns_of, count_column, read_csv, text_column
 
 CASE_COLUMN = text_column("case", "label of the case")
+CLASS_COLUMN = text_column("collapse_class", "the class, or a worse one, that is reached")
 ROUND_COLUMN = count_column("round", "round of the search that asked for the point: how often the cell that it belongs to has been divided")
 MEASURED = (
     "status", "collapse_class", "still_moving", "displacement_magnitude", "runout", "failed_fraction", "first_failure_time", "wall_time",
@@ -33,7 +34,7 @@ def names(columns: Sequence[Variable]) -> list[str]:
 
 def label_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
     """The columns of a point's case and values, as written."""
-    axes = (found.variable(listed=False) for found in dimensions)
+    axes = (each.variable(listed=False) for each in dimensions)
     return (CASE_COLUMN, *(axis._replace(dims=ROW, dtype="str", text=f"{axis.text}, as written in file names") for axis in axes))
 
 
@@ -53,13 +54,13 @@ def division(lattice: Lattice, runs: Mapping[Key, Mapping[Any, Any]], boundaries
     A diverged run is on no side of them; it differs from every run that is, so that the search closes in on it from both sides.
     """
 
-    def found(place: Place) -> Hashable:
+    def outcome(place: Place) -> Hashable:
         if place == UNSHAKEN:
             return tuple(False for _ in boundaries)
         run = runs[lattice.case, *lattice.labels(place)]
         return UNDETERMINED if run["collapse_class"] == UNDETERMINED else tuple(reached(run, boundary) for boundary in boundaries)
 
-    return found
+    return outcome
 
 
 def runs_found(points: pd.DataFrame) -> dict[Key, Mapping[Any, Any]]:
@@ -96,7 +97,7 @@ def measured_points(
     earlier: pd.DataFrame, wanted: pd.DataFrame, metrics: Sequence[Mapping[str, Any]], places: Iterable[str] = ()
 ) -> pd.DataFrame:
     """The table of the earlier points and those of a round, from the metrics of its runs in its order."""
-    rows = [{**point, **found} for point, found in zip(wanted.to_dict("records"), metrics, strict=True)]
+    rows = [{**point, **run} for point, run in zip(wanted.to_dict("records"), metrics, strict=True)]
     new = pd.DataFrame(rows, columns=[*wanted.columns, *MEASURED, FINDINGS.name, *names(place_columns(places))])
     return by_value(pd.concat([earlier, new], ignore_index=True) if len(earlier) and len(new) else earlier if len(earlier) else new)
 

@@ -71,17 +71,17 @@ class Cell(NamedTuple):
         return [Cell(corner, self.level + 1) for corner in self.corners(0.5 * self.size)]
 
 
-def leaves(cells: Sequence[int], found: Callable[[Place], Hashable], levels: int, lower: bool = False) -> Iterator[Cell]:
+def leaves(cells: Sequence[int], outcome: Callable[[Place], Hashable], levels: int, lower: bool = False) -> Iterator[Cell]:
     """The cells that are not divided: those whose corners agree, and those of the last level.
 
-    ``cells`` (d,) is the number of undivided cells along each dimension; ``found`` returns what is at a place, and is asked only for
+    ``cells`` (d,) is the number of undivided cells along each dimension; ``outcome`` returns what is at a place, and is asked only for
     corners of cells above the last level.  With ``lower`` the cell below the smallest value is one of them.
     """
     waiting = [Cell(tuple(map(float, corner)), 0) for corner in itertools.product(*map(range, cells))]
     waiting += [Cell(UNSHAKEN, 0)] * lower
     while waiting:
         cell = waiting.pop()
-        if cell.level < levels and len({found(corner) for corner in cell.corners()}) > 1:
+        if cell.level < levels and len({outcome(corner) for corner in cell.corners()}) > 1:
             waiting.extend(cell.parts())
         else:
             yield cell

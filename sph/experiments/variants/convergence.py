@@ -18,14 +18,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
 
 from sph.storage.trajectory import Variable
-from sph.study.tables import ROW
+from sph.study.tables import ROW, number_column, text_column
 
 SAFETY = 1.25
 """Factor of safety of the index for three spacings."""
@@ -35,15 +35,15 @@ MAX_ORDER = 20.0
 QUANTITIES = ("displacement_magnitude", "runout", "onset_after_start")
 
 CONVERGENCE: tuple[Variable, ...] = (
-    Variable("quantity", ROW, "str", "1", "column of the table"),
-    Variable("case", ROW, "str", "1", "point of the study"),
+    text_column("quantity", "column of the table"),
+    text_column("case", "point of the study"),
     Variable("spacings", ROW, "str", "m", "spacings of the variants, finest first"),
-    Variable("values", ROW, "str", "1", "values of the quantity at these spacings, in its own unit"),
-    Variable("order", ROW, "f8", "1", "observed order on the three finest spacings; NaN where there is none"),
-    Variable("extrapolated", ROW, "f8", "1", "value extrapolated to spacing 0, in the quantity's unit; NaN without convergence"),
-    Variable("gci", ROW, "f8", "1", "grid-convergence index of the finest value, relative; NaN without convergence"),
-    Variable("spread", ROW, "f8", "1", "range of the three finest values over the absolute value of their mean"),
-    Variable("verdict", ROW, "str", "1", "the result in words"),
+    text_column("values", "values of the quantity at these spacings, in its own unit"),
+    number_column("order", "1", "observed order on the three finest spacings; NaN where there is none"),
+    number_column("extrapolated", "1", "value extrapolated to spacing 0, in the quantity's unit; NaN without convergence"),
+    number_column("gci", "1", "grid-convergence index of the finest value, relative; NaN without convergence"),
+    number_column("spread", "1", "range of the three finest values over the absolute value of their mean"),
+    text_column("verdict", "the result in words"),
 )
 
 
@@ -108,26 +108,15 @@ def convergence_table(frame: pd.DataFrame, parameter: str) -> pd.DataFrame:
 
     ``frame`` as from ``cost_accuracy_table``.  Runs without the value (diverged, or motion that never began) are left out.
     """
-    rows: list[dict[str, Any]] = []
+    rows = []
     for quantity in QUANTITIES:
         for case, variants in frame[frame["parameter"] == parameter].groupby("case", sort=False):
             known = variants[np.isfinite(variants[quantity])].sort_values("spacing")
             spacings, values = known["spacing"].tolist(), known[quantity].tolist()
             if len(values) >= 3:
-                found = observed_convergence(spacings, values)
+                result = observed_convergence(spacings, values)
             else:
-                found = Convergence(*4 * (math.nan,), f"not measured: {len(values)} spacings have a value, three are needed")
-            rows.append(
-                {
-                    "quantity": quantity,
-                    "case": case,
-                    "spacings": " ".join(f"{value:g}" for value in spacings),
-                    "values": " ".join(f"{value:.6g}" for value in values),
-                    "order": found.order,
-                    "extrapolated": found.extrapolated,
-                    "gci": found.gci,
-                    "spread": found.spread,
-                    "verdict": found.verdict,
-                }
-            )
+                result = Convergence(*4 * (math.nan,), f"not measured: {len(values)} spacings have a value, three are needed")
+            words = (" ".join(f"{each:{form}}" for each in listed) for listed, form in ((spacings, "g"), (values, ".6g")))
+            rows.append((quantity, case, *words, *result))
     return pd.DataFrame(rows, columns=[row.name for row in CONVERGENCE])

@@ -267,13 +267,13 @@ def load_spacing(file: str, study: Plan, folders: Sequence[Path] = (Path(),), ch
             f"second_fidelity: study {study.study.study!r} names none besides fidelity {study.study.fidelity!r}, so there is nothing to "
             f"compare; it has {', '.join(study.study.fidelities)}"
         )
-    found = Spacing(study, study.second)
-    if found.spacings[0] == found.spacings[1]:
+    spacing = Spacing(study, study.second)
+    if spacing.spacings[0] == spacing.spacings[1]:
         raise ValueError(
-            f"second_fidelity: {study.study.second_fidelity!r} has the spacing of {study.study.fidelity!r}, {found.spacings[0]:g} m; name "
-            "one with another numerics.spacing"
+            f"second_fidelity: {study.study.second_fidelity!r} has the spacing of {study.study.fidelity!r}, {spacing.spacings[0]:g} m; "
+            "name one with another numerics.spacing"
         )
-    return found
+    return spacing
 
 
 def _experiment(name: str, keys: type[Variants]) -> Experiment:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from sph.experiments.base import metric_label
 from sph.experiments.variants.schema import FIDELITY
 from sph.experiments.variants.table import QUANTITIES, WORDS, Summary, non_dominated, summary
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled, write_note, written
@@ -20,7 +21,8 @@ MARKERS = "osD^v<>ph8PXdH*"
 """Markers of the parameters, beside their colours."""
 MIN_ERROR = 1e-3
 """Errors below this are drawn at it: a logarithmic axis has no zero."""
-LABELS = {"displacement_magnitude": "displacement of A (m)", "runout": "run-out (m)", "onset_after_start": "onset of A (s of shaking)"}
+ONSET = {"onset_after_start": "onset of A (s of shaking)"}
+"""Label of what is no metric of a run."""
 
 
 @styled
@@ -103,7 +105,7 @@ def figure_convergence(convergence: pd.DataFrame, table: pd.DataFrame) -> Figure
             if np.isfinite(row["extrapolated"]):
                 ax.plot(0.0, row["extrapolated"], linestyle="", marker="*", markersize=9, color=look["color"], clip_on=False)
         ax.set(xlabel="particle spacing (m)", xlim=(0.0, None), ylim=(0.0, 1.08 * ax.dataLim.y1))
-    label_panels(axes, [LABELS.get(quantity, quantity) for quantity in quantities])
+    label_panels(axes, [ONSET.get(quantity) or metric_label(quantity) for quantity in quantities])
     handles = [Line2D([], [], label=written(case), **look) for look, case in zip(looks, cases, strict=True)]
     figure.legend(handles=handles, loc="outside upper center", ncols=len(cases), handlelength=3.2)
     write_note(figure, f"made on {table['machine'].iloc[0]}")

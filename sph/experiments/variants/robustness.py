@@ -18,7 +18,7 @@ from sph.measures.linked import largest_mass
 from sph.measures.metrics import MetricSettings, energy_gap, outline_area
 from sph.output.run import Run
 from sph.storage.trajectory import Variable
-from sph.study.tables import ROW, number_column, read_csv
+from sph.study.tables import number_column, read_csv, text_column
 
 SHIPPED = Path(__file__).parents[1] / "measured" / "robustness.csv"
 """Table measured for this release."""
@@ -26,11 +26,11 @@ LINK = 2.0
 """Particles nearer than this many spacings are connected."""
 
 ROBUSTNESS: tuple[Variable, ...] = (
-    Variable("sweep", ROW, "str", "1", "name of the key that is varied"),
-    Variable("value", ROW, "str", "1", "its value"),
-    Variable("case", ROW, "str", "1", "the slope, or the scheme of a sweep over time steps"),
-    Variable("status", ROW, "str", "1", "complete, unfailed, diverged, or refused before any work"),
-    Variable("reason", ROW, "str", "1", "why it diverged or was refused"),
+    text_column("sweep", "name of the key that is varied"),
+    text_column("value", "its value"),
+    text_column("case", "the slope, or the scheme of a sweep over time steps"),
+    text_column("status", "complete, unfailed, diverged, or refused before any work"),
+    text_column("reason", "why it diverged or was refused"),
     number_column("time_step_ratio", "1", "largest time step over its limit measured during the run"),
     number_column("energy_gap", "1", "largest gap in the energy budget over the largest sum of its parts"),
     number_column("area_change", "1", "area inside the outline of the largest mass at the end over that of all soil at the start, minus 1"),

@@ -27,11 +27,6 @@ QUANTITIES = {"displacement": "displacement_magnitude", "runout": "runout"}
 WORDS = {"displacement": "A's displacement", "runout": "run-out"}
 """The quantities in words."""
 
-
-def _metric(name: str) -> Variable:
-    return METRIC_BY_NAME[name]
-
-
 COST_ACCURACY: tuple[Variable, ...] = (
     text_column("parameter", f"what is varied; '{FIDELITY}' for the fidelities of the study"),
     text_column("variant", "its value"),
@@ -47,14 +42,14 @@ COST_ACCURACY: tuple[Variable, ...] = (
     Variable("timed", ROW, "i1", "1", "1 for the case whose run is repeated: its computing time is the variant's cost"),
     Variable("reference", ROW, "i1", "1", "1 for the variant from which deviations are measured"),
     Variable("repeats", ROW, "i4", "1", "how often the run was made"),
-    _metric("status"),
-    _metric("collapse_class"),
+    METRIC_BY_NAME["status"],
+    METRIC_BY_NAME["collapse_class"],
     Variable("class_as_reference", ROW, "i1", "1", "1 if the class is that of the reference in the same case"),
-    _metric("displacement_magnitude"),
-    _metric("runout"),
+    METRIC_BY_NAME["displacement_magnitude"],
+    METRIC_BY_NAME["runout"],
     number_column("onset_after_start", "s", "onset_time minus shaking_start; NaN if the probe's motion never begins"),
-    _metric("energy_error"),
-    _metric("time_step_ratio"),
+    METRIC_BY_NAME["energy_error"],
+    METRIC_BY_NAME["time_step_ratio"],
     number_column("spacing", "m", "initial particle spacing"),
     Variable("particles", ROW, "i4", "1", "number of particles, those of the box included"),
     Variable("steps", ROW, "i4", "1", "number of time steps made"),
@@ -86,15 +81,15 @@ def measured_run(run: Run, settings: MetricSettings) -> dict[str, Any]:
 
 def cost_accuracy_table(rows: Sequence[Row], runs: Mapping[str, Mapping[str, Any]], baseline: str, machine: str) -> pd.DataFrame:
     """Frame with the columns ``COLUMNS`` from the rows of a cost-accuracy study and what was measured of its runs, by name."""
-    found = [_row(row, [[runs[name] for name in repeats] for repeats in row.lattices], machine) for row in rows]
-    references = {row["case"]: row for row in found if row["reference"]}
-    baselines = {row["case"]: row for row in found if (row["parameter"], row["variant"]) == (FIDELITY, baseline)}
-    for row in found:
+    records = [_row(row, [[runs[name] for name in repeats] for repeats in row.lattices], machine) for row in rows]
+    references = {row["case"]: row for row in records if row["reference"]}
+    baselines = {row["case"]: row for row in records if (row["parameter"], row["variant"]) == (FIDELITY, baseline)}
+    for row in records:
         row["class_as_reference"] = int(row["collapse_class"] == references[row["case"]]["collapse_class"])
         for name, metric in QUANTITIES.items():
             row[f"{name}_deviation"] = _deviation(row[metric], references[row["case"]][metric])
             row[f"{name}_deviation_from_baseline"] = _deviation(row[metric], baselines[row["case"]][metric])
-    return pd.DataFrame(found, columns=COLUMNS)
+    return pd.DataFrame(records, columns=COLUMNS)
 
 
 def _row(row: Row, lattices: Sequence[Sequence[Mapping[str, Any]]], machine: str) -> dict[str, Any]:
@@ -160,13 +155,13 @@ def against(frame: pd.DataFrame, fidelity: str) -> pd.DataFrame:
     if set(own.index) != set(frame["case"]):
         raise ValueError(f"fidelity: {fidelity!r} must be one of {', '.join(dict.fromkeys(fidelities['variant']))}, measured in every case")
     at = own.loc[frame["case"]]
-    found = frame.assign(
+    compared = frame.assign(
         reference=((frame["parameter"] == FIDELITY) & (frame["variant"] == fidelity)).astype(int),
         class_as_reference=(frame["collapse_class"].to_numpy() == at["collapse_class"].to_numpy()).astype(int),
     )
     for name, metric in QUANTITIES.items():
-        found[f"{name}_deviation"] = [_deviation(*pair) for pair in zip(frame[metric], at[metric], strict=True)]
-    return found
+        compared[f"{name}_deviation"] = [_deviation(*pair) for pair in zip(frame[metric], at[metric], strict=True)]
+    return compared
 
 
 class Summary(NamedTuple):
@@ -211,20 +206,16 @@ def summary(frame: pd.DataFrame) -> list[Summary]:
         timed = rows[rows["timed"] == 1].to_dict("records")[0]
         variants.append(
             Summary(
-                timed["parameter"],
-                timed["variant"],
-                timed["settings"],
-                timed["scheme"],
-                bool(timed["reference"]),
-                float(timed["wall_time"]),
-                float(timed["particle_steps_per_second"]),
-                _largest(rows, ""),
-                _largest(rows, "_from_baseline"),
-                len(rows),
-                int(rows["class_as_reference"].sum()),
-                len(rows) == cases,
-                timed["changes"],
-                float(rows["time_step_ratio"].max()),
+                **{str(name): timed[name] for name in ("parameter", "variant", "settings", "scheme", "changes")},
+                reference=bool(timed["reference"]),
+                cost=float(timed["wall_time"]),
+                particle_steps_per_second=float(timed["particle_steps_per_second"]),
+                errors=_largest(rows, ""),
+                baseline_errors=_largest(rows, "_from_baseline"),
+                cases=len(rows),
+                classes_agree=int(rows["class_as_reference"].sum()),
+                every_case=len(rows) == cases,
+                time_step_ratio=float(rows["time_step_ratio"].max()),
             )
         )
     return variants
