@@ -90,7 +90,7 @@ def make_together(own: Task, others: Sequence[Task]) -> None:
 
 def _going_on(task: Task, made: Mapping[str, Path]) -> Task:
     """The task, going on from what this job has made, by file, where that is not in its place yet."""
-    return task._replace(restart=str(made[task.restart])) if task.restart in made else task
+    return task._replace(restart=str(made[task.restart])) if task.restart and task.restart in made else task
 
 
 def make_at_once(tasks: Sequence[Task], own: Task) -> None:
