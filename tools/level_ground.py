@@ -48,9 +48,9 @@ def figure_level_ground(ground: Run) -> Figure:
         means = [values[ground.soil & (ground["y0"] == y)].mean() for y in rows]
         profile.plot(means, height - rows, color=str(shade), label=f"{at:g} s")
     check = earthquake(scene)
-    found = factors(check, place_particles(check), MAGNITUDE)
+    safeties = factors(check, place_particles(check), MAGNITUDE)
     for number, (name, colour) in enumerate(zip(scene.layers, layer_colours(scene)[1:], strict=True), 1):
-        (of,) = (each for each in found if each.layer == name)
+        (of,) = (each for each in safeties if each.layer == name)
         safety.plot(of.safety, of.depth, ".", color=colour, markersize=3)
         inside = ground.soil & (ground["layer"] == number)
         means = [ratio.of(ground, frame)[inside].mean() for frame in range(time.size)]
@@ -70,8 +70,8 @@ def main() -> None:
     """Run the scene and draw it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("figure", type=Path, help="file of the figure")
-    found = Run.of(run(load_scene(SCENE)).trajectory)
-    figure_level_ground(found).savefig(parser.parse_args().figure, dpi=DPI)
+    ground = Run.of(run(load_scene(SCENE)).trajectory)
+    figure_level_ground(ground).savefig(parser.parse_args().figure, dpi=DPI)
 
 
 if __name__ == "__main__":

@@ -32,10 +32,10 @@ def levels(results: Path) -> pd.DataFrame:
     """Brackets of the critical amplitude from a folder of results, columns ``LEVELS``; ValueError names a search that is missing."""
     tables = []
     for study in STUDIES:
-        found: Sequence[Path] = sorted((results / study).glob("*/trigger/trigger.csv"))
-        if len(found) != 1:
-            raise ValueError(f"{results / study}: {len(found)} searches, one is needed; run '{SHIPPED['slip_levels'].renewal}'")
-        table = pd.read_csv(found[0])
+        searches: Sequence[Path] = sorted((results / study).glob("*/trigger/trigger.csv"))
+        if len(searches) != 1:
+            raise ValueError(f"{results / study}: {len(searches)} searches, one is needed; run '{SHIPPED['slip_levels'].renewal}'")
+        table = pd.read_csv(searches[0])
         tables.append(table.assign(study=study, slip_at_residual=table.get(SLIP, float("nan")), S_R=table.get("S_R", float("nan"))))
     return pd.concat(tables, ignore_index=True)[[row.name for row in LEVELS]]
 

@@ -287,7 +287,7 @@ def slip_level_lines(table: pd.DataFrame) -> Lines:
 @table("slip_choices", "changed | critical amplitude, m/s² | change", read_levels)
 def slip_choice_lines(table: pd.DataFrame) -> Lines:
     """The same of a choice that should not matter, and its change against the scene as it is."""
-    rows = table[table["slip_at_residual"].isna()].assign(level=lambda found: 0.5 * (found["lower"] + found["upper"])).to_dict("records")
+    rows = table[table["slip_at_residual"].isna()].assign(level=lambda frame: 0.5 * (frame["lower"] + frame["upper"])).to_dict("records")
     for row in rows:
         yield row["case"], _bracket(row), f"{100 * (row['level'] / rows[0]['level'] - 1):+.0f} %"
 
@@ -582,12 +582,12 @@ PRINTED = re.compile(r"^\*Table: `python -m tools\.reference ([\w-]+)`\*$", re.M
 
 def filled(text: str) -> str:
     """Text with the tables between its marks made again; ValueError for a mark of no table."""
-    return MARKED.sub(lambda found: f"{found[1]}\n{table_text(found[2])}\n\n{found[3]}", text)
+    return MARKED.sub(lambda mark: f"{mark[1]}\n{table_text(mark[2])}\n\n{mark[3]}", text)
 
 
 def with_tables(text: str) -> str:
     """Text with the tables that are not kept, as the site has it; ValueError for a name of no table."""
-    return PRINTED.sub(lambda found: table_text(found[1]), text)
+    return PRINTED.sub(lambda mark: table_text(mark[1]), text)
 
 
 def table_text(name: str) -> str:

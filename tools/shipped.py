@@ -151,16 +151,16 @@ def settings_digest(patterns: Sequence[str], settings: Any = None, root: Path = 
 
 def solver_of(runs: Sequence[Path]) -> str:
     """Digest of the solver that made the runs; ValueError without runs, or where they do not have one and the same."""
-    found: dict[str, Path] = {}
+    solvers: dict[str, Path] = {}
     for path in runs:
         with netCDF4.Dataset(path) as data:
-            found.setdefault(str(getattr(data, "solver_digest", "")), path)
-    if not found:
+            solvers.setdefault(str(getattr(data, "solver_digest", "")), path)
+    if not solvers:
         raise ValueError("no runs to read the solver from; make them first")
-    if len(found) > 1 or "" in found:
-        told = ", ".join(f"{digest or 'not noted'} ({path})" for digest, path in found.items())
+    if len(solvers) > 1 or "" in solvers:
+        told = ", ".join(f"{digest or 'not noted'} ({path})" for digest, path in solvers.items())
         raise ValueError(f"the runs were not made by one solver: {told}; make them again")
-    return next(iter(found))
+    return next(iter(solvers))
 
 
 def note(name: str, solver: str, origins: Path = MEASURED / "origins.csv", repeated: str = "") -> None:
@@ -244,19 +244,19 @@ def repeat(name: str, origins: Path = MEASURED / "origins.csv", every: bool = Fa
 def states(origins: Path = MEASURED / "origins.csv") -> dict[str, tuple[str, str]]:
     """For every table whether it is current, older or not recorded, and why."""
     rows = {row["table"]: row for row in read_origins(origins).to_dict("records")}
-    found = {}
+    by_table = {}
     for name, table in SHIPPED.items():
         row = rows.get(name)
         if row is None:
-            found[name] = NOT_RECORDED, "it does not say which code it was measured with"
+            by_table[name] = NOT_RECORDED, "it does not say which code it was measured with"
         elif row["content"] != content_digest(table.path):
-            found[name] = NOT_RECORDED, "the table has changed since its origin was noted"
+            by_table[name] = NOT_RECORDED, "the table has changed since its origin was noted"
         else:
             now = settings_digest(table.configuration, table.settings())
             changed = [f"solver {row['solver']}, now {solver_digest()}"] * (row["solver"] != solver_digest())
             changed += [f"configuration {row['configuration']}, now {now}"] * (now != row["configuration"])
-            found[name] = (OLDER, "; ".join(changed)) if changed else (CURRENT, f"solver {row['solver']}")
-    return found
+            by_table[name] = (OLDER, "; ".join(changed)) if changed else (CURRENT, f"solver {row['solver']}")
+    return by_table
 
 
 def read_origins(origins: Path = MEASURED / "origins.csv") -> pd.DataFrame:

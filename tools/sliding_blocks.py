@@ -155,7 +155,7 @@ def measured(slope: str, loss: str, record: Path, ratio: float, limit: float) ->
     motion, column = motion_of(scene), column_motion(scene)
     carried, _ = level_ground(scene, place_particles(scene))
     shaking = measure_motion(motion.acceleration, float(motion.time[1] - motion.time[0]))
-    found = measure(run(scene).trajectory)
+    metrics = measure(run(scene).trajectory)
     return {
         "slope": slope,
         "strength": loss,
@@ -167,8 +167,8 @@ def measured(slope: str, loss: str, record: Path, ratio: float, limit: float) ->
         "newmark_displacement": baseline_metrics(scene, limit)["newmark_displacement"],
         "column_displacement": sliding_block(column.time, column.acceleration, limit).permanent,
         "overload": float(np.abs(column.acceleration).max()) / carried,
-        "displacement": found["displacement_magnitude"],
-        "status": found["status"],
+        "displacement": metrics["displacement_magnitude"],
+        "status": metrics["status"],
     }
 
 
@@ -192,12 +192,12 @@ def spread_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     overload of level ground by the elastic column."""
     for (loss, slope), rows in table.groupby(["strength", "slope"], sort=False):
         for block, said in BLOCKS.items():
-            found, beyond = spread(compared(rows, block)["ratio"].to_numpy()), int((rows["displacement"] > SMALL).sum())
+            ratios, beyond = spread(compared(rows, block)["ratio"].to_numpy()), int((rows["displacement"] > SMALL).sum())
             numbers = ["", "", ""]
-            if found.pairs:
-                numbers = [f"{found.mean:.2f}", f"{found.scatter:.2f}", f"{found.least:.2f} to {found.largest:.2f}"]
+            if ratios.pairs:
+                numbers = [f"{ratios.mean:.2f}", f"{ratios.scatter:.2f}", f"{ratios.least:.2f} to {ratios.largest:.2f}"]
             overload = f"{rows['overload'].median():.1f}" if block == "column_displacement" else ""
-            yield str(slope), str(loss), said, str(found.pairs), str(beyond), *numbers, overload
+            yield str(slope), str(loss), said, str(ratios.pairs), str(beyond), *numbers, overload
 
 
 def cause_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:

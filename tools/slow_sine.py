@@ -103,9 +103,9 @@ def measured(scene: dict[str, Any], ratio: float) -> dict[str, float]:
         print(f"{ratio:g} T: {trial}", flush=True)
         return trial
 
-    found = search(test, WALK, WALK.index(0.44), WIDTH)
-    stood = [trial.largest_displacement for trial in found.trials if trial.value == found.stood]
-    return row(shaken(scene, ratio, LIMIT), ratio, found.stood, found.failed, stood[0] if stood else math.nan)
+    bracket = search(test, WALK, WALK.index(0.44), WIDTH)
+    stood = [trial.largest_displacement for trial in bracket.trials if trial.value == bracket.stood]
+    return row(shaken(scene, ratio, LIMIT), ratio, bracket.stood, bracket.failed, stood[0] if stood else math.nan)
 
 
 def row(scene: Scene, ratio: float, stood: float, failed: float, displacement: float) -> dict[str, float]:

@@ -37,8 +37,8 @@ def advise(error: float, scene: Path | None, quantity: str, of: str | None, sche
         measured = against(measured, of)
     wanted = tuple(QUANTITIES) if quantity == "both" else (quantity,)
     if scene is None:
-        found = advice.advise(measured, error, wanted)
-        said, fits = lines(found, error, [WORDS[name] for name in wanted], measured), found.fits
+        answer = advice.advise(measured, error, wanted)
+        said, fits = lines(answer, error, [WORDS[name] for name in wanted], measured), answer.fits
     elif of is not None:
         raise ValueError(f"--of {of}: has no effect with a scene, whose spacings are compared with the finest run; leave it out")
     else:
@@ -49,32 +49,32 @@ def advise(error: float, scene: Path | None, quantity: str, of: str | None, sche
     return "\n".join(said), 0 if fits else REFUSED
 
 
-def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:
+def lines(answer: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:
     """Lines of text for an answer; ``quantities`` in words."""
     reference = next(variant for variant in summary(table) if variant.reference)
     asked = f"{' and '.join(quantities)} within {percent(error)} and the collapse class of the reference in every case"
-    head = f"cheapest setting with {asked}:" if found.fits else f"no measured setting has {asked}; the most accurate:"
-    errors = ", ".join(f"{WORDS[name]} within {percent(value)}" for name, value in found.variant.errors.items())
+    head = f"cheapest setting with {asked}:" if answer.fits else f"no measured setting has {asked}; the most accurate:"
+    errors = ", ".join(f"{WORDS[name]} within {percent(value)}" for name, value in answer.variant.errors.items())
     return [
         head,
-        f"  {found.variant.name}, {found.variant.cost:.3g} s per run on one core of {table['machine'].iloc[0]}",
+        f"  {answer.variant.name}, {answer.variant.cost:.3g} s per run on one core of {table['machine'].iloc[0]}",
         f"  {errors}, against {reference.name} ({reference.cost:.3g} s per run)",
-        *([f"  {MEAN}"] if is_mean(found.settings) else [f"  command line  {options(found.settings) or 'the scene file as it is'}"]),
-        f"  fidelity      {one_line(found.settings)}",
+        *([f"  {MEAN}"] if is_mean(answer.settings) else [f"  command line  {options(answer.settings) or 'the scene file as it is'}"]),
+        f"  fidelity      {one_line(answer.settings)}",
     ]
 
 
 def for_scene(
-    found: Sequence[Resolution], error: float, quantities: Sequence[str], seconds: Mapping[float, float]
+    resolutions: Sequence[Resolution], error: float, quantities: Sequence[str], seconds: Mapping[float, float]
 ) -> tuple[list[str], bool]:
     """Lines of text on the spacings of a scene's slope, with their computing times (s), and whether one is within an error."""
-    fitting = [each for each in found if each.agrees and max(each.errors[name] for name in quantities) <= error]
+    fitting = [each for each in resolutions if each.agrees and max(each.errors[name] for name in quantities) <= error]
     head = f"time {ON_REFERENCE} (s)"
     lines = [f"rows over the height  spacing (m)  displacement  run-out  {head}"]
     lines += [
         f"{each.rows:20.3g}  {each.spacing:11.4g}  {percent(each.errors['displacement']):>12}  {percent(each.errors['runout']):>7}"
         f"  {seconds[each.spacing]:{len(head)}.3g}"
-        for each in found
+        for each in resolutions
     ]
     asked = f"{' and '.join(WORDS[name] for name in quantities)} within {percent(error)}"
     if fitting:

@@ -66,14 +66,14 @@ class Written(NamedTuple):
     data: dict[str, Any]
     scene: Scene
     wanted: Response  # of the sublayered column
-    found: Response  # of the column of the scene, with its damping
+    achieved: Response  # of the column of the scene, with its damping
     untouched: list[str]  # the soil and layers that the column does not meet
     split: dict[str, list[str]]  # layers with the names of their bands
 
     @property
     def off(self) -> Response:
         """Relative differences."""
-        return Response(*(found / wanted - 1.0 for found, wanted in zip(self.found, self.wanted, strict=True)))
+        return Response(*(own / wanted - 1.0 for own, wanted in zip(self.achieved, self.wanted, strict=True)))
 
     @property
     def within(self) -> bool:
@@ -87,30 +87,30 @@ def site(path: Path, changes: Mapping[str, Any], at: float | None, plasticity: f
     scene = make_scene(data, str(path))
     if out is not None:
         check_writable(out, [path, *scene_files(data)])
-    found = respond(scene, darendeli(plasticity, ocr), at)
-    told = [table(COLUMNS, rows(scene, found)), *response_lines(found)]
+    site_response = respond(scene, darendeli(plasticity, ocr), at)
+    told = [table(COLUMNS, rows(scene, site_response)), *response_lines(site_response)]
     if out is not None:
-        made = compatible(data, scene, found)
-        write_compatible(out, made, found)
+        made = compatible(data, scene, site_response)
+        write_compatible(out, made, site_response)
         if not made.within:
             say(f"{out}: differs by more than {100 * WITHIN:g} % from the sublayered column; choose a smaller numerics.spacing")
         told += [*lines(made), f"{out}: written; look at it with sph check {out}"]
-    return to_json(record(found), indent=1) if as_json else "\n".join(told)
+    return to_json(record(site_response), indent=1) if as_json else "\n".join(told)
 
 
-def compatible(data: Mapping[str, Any], scene: Scene, found: Site) -> Written:
+def compatible(data: Mapping[str, Any], scene: Scene, site_response: Site) -> Written:
     """The scene with the strain-compatible stiffness and damping of a column; ValueError for what cannot be divided into bands."""
     for largest in RANGES:
-        made = _compared(stiffened(data, scene, found, largest), scene, found)
+        made = _compared(stiffened(data, scene, site_response, largest), scene, site_response)
         if made.within:
             break
     return made
 
 
-def bands_of(scene: Scene, found: Site, largest: float) -> dict[int, list[Band]]:
+def bands_of(scene: Scene, site_response: Site, largest: float) -> dict[int, list[Band]]:
     """Bands of each of the scene's soils in the column, from the top, at least a spacing thick, with moduli within a factor ``largest``."""
     parts: dict[int, list[Part]] = {}
-    for each in found.layers:
+    for each in site_response.layers:
         parts.setdefault(each.stratum.number, []).extend(each.parts)
     return {
         number: [*_bands(inside, scene.soils[number].youngs_modulus, scene.numerics.spacing, largest)] for number, inside in parts.items()
@@ -141,10 +141,10 @@ class Stiffened(NamedTuple):
     split: dict[str, list[str]]
 
 
-def stiffened(data: Mapping[str, Any], scene: Scene, found: Site, largest: float) -> Stiffened:
+def stiffened(data: Mapping[str, Any], scene: Scene, site_response: Site, largest: float) -> Stiffened:
     """The scene's mapping with the modulus of each band; layers that the column does not meet keep theirs."""
-    bands, names = bands_of(scene, found, largest), list(scene.layers)
-    ground = scene.geometry.in_survey(*place_of(scene, found.x))[1]
+    bands, names = bands_of(scene, site_response, largest), list(scene.layers)
+    ground = scene.geometry.in_survey(*place_of(scene, site_response.x))[1]
     written = data.get("layers") or {}
     untouched = [name for number, name in enumerate(["soil", *names]) if number not in bands]
     made, layers, split = merge({}, data), dict[str, Any](), dict[str, list[str]]()
@@ -167,7 +167,7 @@ def stiffened(data: Mapping[str, Any], scene: Scene, found: Site, largest: float
             split[name or "soil"] = list(extra)
     made |= {"layers": layers} if layers else {}
     if scene.walls.kinds.base.absorbs and scene.walls.bedrock is None:  # as the column was shaken: what goes on below is not strained
-        lowest = scene.soils[found.layers[-1].stratum.number]
+        lowest = scene.soils[site_response.layers[-1].stratum.number]
         rock = {"density": lowest.density, "s_wave_speed": lowest.s_wave_speed, "p_wave_speed": lowest.p_wave_speed}
         made = merge(made, {"walls": {"bedrock": {name: float(f"{value:.6g}") for name, value in rock.items()}}})
     return Stiffened(made, untouched, split)
@@ -241,16 +241,16 @@ def _digits(value: float, digits: int = 10) -> float:
     return float(f"{value:.{digits}g}")
 
 
-def _compared(stiff: Stiffened, scene: Scene, found: Site) -> Written:
+def _compared(stiff: Stiffened, scene: Scene, site_response: Site) -> Written:
     """The scene with the damping that fits best, compared with the sublayered column."""
     origin = f"{scene.name}, strain-compatible"
     made = make_scene(merge(stiff.data, {"damping": {"ratio": 0.0, "frequencies": [1.0, 2.0]}}), origin)
-    place, sublayers = place_of(scene, found.x), [(each.stratum, part) for each in found.layers for part in each.parts]
+    place, sublayers = place_of(scene, site_response.x), [(each.stratum, part) for each in site_response.layers for part in each.parts]
     thickness = np.array([part.bottom - part.top for _, part in sublayers])
     density = np.array([scene.soils[stratum.number].density for stratum, _ in sublayers])
     speed = np.array([stratum.speed * math.sqrt(part.reduction) for stratum, part in sublayers])
     frequency = float(natural_frequencies(Column(thickness, speed, density))[0])
-    wanted = Response(frequency, found.peak, max(each.worst.strain for each in found.layers))
+    wanted = Response(frequency, site_response.peak, max(each.worst.strain for each in site_response.layers))
 
     first = float(f"{natural_frequency(made, place):.4g}")
     strata = strata_at(made, place)
@@ -286,9 +286,9 @@ def linear(column: Column, below: float, damping: RayleighDamping, shaken: np.nd
     size = scipy.fft.next_fast_len(2 * shaken.size, real=True)
     frequency = np.fft.rfftfreq(size, step)[1:]
     omega = 2.0 * math.pi * frequency
-    found = transfer(column, frequency, 1.0 + 1j * omega * damping.stiffness_coefficient, 1.0 - 1j * damping.mass_coefficient / omega)
-    surface = np.fft.rfft(shaken, size)[1:] / found.outcrop(below)
-    spectra = np.vstack([surface, -found.strain * surface / omega**2])
+    transferred = transfer(column, frequency, 1.0 + 1j * omega * damping.stiffness_coefficient, 1.0 - 1j * damping.mass_coefficient / omega)
+    surface = np.fft.rfft(shaken, size)[1:] / transferred.outcrop(below)
+    spectra = np.vstack([surface, -transferred.strain * surface / omega**2])
     peaks = np.abs(np.fft.irfft(np.pad(spectra, ((0, 0), (1, 0))), size)).max(axis=1)
     return float(peaks[0]), EFFECTIVE * float(peaks[1:].max())
 
@@ -310,8 +310,8 @@ def lines(made: Written) -> list[str]:
     return told
 
 
-def write_compatible(path: Path, made: Written, found: Site) -> None:
+def write_compatible(path: Path, made: Written, site_response: Site) -> None:
     """Write the scene of ``compatible``, without the comments of the file that it was."""
     text = yaml.safe_dump(made.data, sort_keys=False, allow_unicode=True, width=140)
-    head = [f"Stiffness and damping strain-compatible at x = {found.x:.10g} m, by sph site.", *lines(made)]
+    head = [f"Stiffness and damping strain-compatible at x = {site_response.x:.10g} m, by sph site.", *lines(made)]
     path.write_text("".join(f"# {line}\n" for line in head) + text, encoding="utf-8")

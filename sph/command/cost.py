@@ -96,8 +96,8 @@ def cost_of_study(
     if fidelity is not None:
         check_known("--fidelity", [fidelity], plan.study.fidelities)
         plan = plan.at(fidelity)
-    found = study_cost(plan, catalogue.base, cores, speed, start, (backend or plan.study.backend) != "cpu")
-    return to_json(record(found), indent=1) if as_json else "\n".join(lines(found))
+    needs = study_cost(plan, catalogue.base, cores, speed, start, (backend or plan.study.backend) != "cpu")
+    return to_json(record(needs), indent=1) if as_json else "\n".join(lines(needs))
 
 
 def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, start: float = START, on_card: bool = False) -> StudyCost:
@@ -108,11 +108,11 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     """
     states = look_at(plan.jobs, base)
     known = Speed(speed, "as given") if speed else measured_speed(states)
-    found = [(state, job_cost(state.job.run)) for state in states]
-    of_card = _card_cost(found, start) if on_card else None
+    costs = [(state, job_cost(state.job.run)) for state in states]
+    of_card = _card_cost(costs, start) if on_card else None
     times = [
         TAKE_UP if of_card and state.job.run.by == SIMULATION else _started(part, state, start) + part.seconds / known.value
-        for state, part in found
+        for state, part in costs
     ]
     tests, limits = preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches)))
     checks = {CHECKED: start + tests / known.value, PREFLIGHT_FILE: start + limits / known.value}
@@ -123,13 +123,13 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         if state.state != Stand.DONE:
             slowest[state.job.run.kind] = max(time, slowest.get(state.job.run.kind, 0.0))
     search = slowest.pop(Kind.SEARCH, 0.0)
-    longest = max((part for state, part in found if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
+    longest = max((part for state, part in costs if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
     runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
     left = sum(waits) + test_left + limits_left + after * bool(waits)
     # One stage after another, however many cores there are; the searches beside them.
     stages = of_card.left if of_card else sum(slowest.values())
-    memory = (at_once - 1) * longest.memory + max(part.memory for _, part in found)
+    memory = (at_once - 1) * longest.memory + max(part.memory for _, part in costs)
     if of_card:
         memory = PROCESS + of_card.together * (longest.memory - PROCESS)
     return StudyCost(
@@ -140,21 +140,21 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         longest.particles,
         longest.steps,
         longest.seconds / known.value,
-        sum(part.seconds for state, part in found if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
+        sum(part.seconds for state, part in costs if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
         sum(times) + sum(checks.values()) + after,
         left,
         max(left / cores, max(stages, search, test_left + limits_left) + after * bool(waits) / min(cores, 8)),
         cores,
         memory,
-        sum(part.disk for _, part in found),
+        sum(part.disk for _, part in costs),
         known,
         of_card,
     )
 
 
-def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
+def _card_cost(costs: Sequence[tuple[State, Cost]], start: float) -> CardCost:
     """What runs and stages need of a card: those of a kind advance together, one kind after another."""
-    runs = [(state, part) for state, part in found if state.job.run.kind == Kind.RUN]
+    runs = [(state, part) for state, part in costs if state.job.run.kind == Kind.RUN]
     state, part = max(runs, key=lambda run: run[1].seconds)
     together, memory = max(1, min(len(runs), AT_ONCE, ENOUGH // part.particles)), math.nan
     if find_spec("numba_cuda") is not None:
@@ -166,7 +166,7 @@ def _card_cost(found: Sequence[tuple[State, Cost]], start: float) -> CardCost:
         speed = Speed(rate, "as measured on an H200; there is no card here")
     else:
         speed = card_speed_here(state.job.scene, min(together, COPIES))
-    waiting = [(state.job.run.kind, part) for state, part in found if state.job.run.by == SIMULATION and state.state != Stand.DONE]
+    waiting = [(state.job.run.kind, part) for state, part in costs if state.job.run.by == SIMULATION and state.state != Stand.DONE]
     left = math.ceil(len(waiting) / AT_ONCE) * (start + CARD_START)
     for kind in {kind for kind, _ in waiting}:
         parts = [part for own, part in waiting if own == kind]
@@ -265,21 +265,21 @@ def _stepped(scene: Scene, step: float) -> Scene:
     return make_scene(merge(scene.model_dump(), {"numerics": {"time_step": step, "adaptive_step": {"courant": 0.8}}}))
 
 
-def lines(found: StudyCost) -> list[str]:
+def lines(needs: StudyCost) -> list[str]:
     """The prediction in words."""
-    done, on_card = found.jobs - found.jobs_left, found.card
-    size = f"{found.particles:,} particles, {found.steps:,} steps after the gravity stage"
-    at_once = f"{on_card.together} runs" if on_card else f"{min(found.cores, found.jobs)} jobs"
+    done, on_card = needs.jobs - needs.jobs_left, needs.card
+    size = f"{needs.particles:,} particles, {needs.steps:,} steps after the gravity stage"
+    at_once = f"{on_card.together} runs" if on_card else f"{min(needs.cores, needs.jobs)} jobs"
     stages = "gravity and the shaking up to the first failure, once for all runs that share them"
     rows = [
-        ("study", f"{found.folder}: {found.runs:,} runs, {found.jobs:,} simulations" + (f", {done:,} done" if done else "")),
-        ("a run", size if on_card else f"{_time(found.run)} of one core: {size}"),
-        ("stages", stages if on_card else f"{_time(found.shared)} of one core: {stages}"),
-        ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them still to do" if done else "")),
-        ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}" + " and a card" * (on_card is not None)),
-        ("memory", f"{_size(found.memory)} for {at_once} at once"),
-        ("disk", f"{_size(found.disk)} of trajectories"),
-        ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
+        ("study", f"{needs.folder}: {needs.runs:,} runs, {needs.jobs:,} simulations" + (f", {done:,} done" if done else "")),
+        ("a run", size if on_card else f"{_time(needs.run)} of one core: {size}"),
+        ("stages", stages if on_card else f"{_time(needs.shared)} of one core: {stages}"),
+        ("computing", f"{needs.computing / 3600:.3g} core-hours" + (f", {needs.left / 3600:.3g} of them still to do" if done else "")),
+        ("wall time", f"{_time(needs.wall)} on {needs.cores} core{'s' if needs.cores > 1 else ''}" + " and a card" * (on_card is not None)),
+        ("memory", f"{_size(needs.memory)} for {at_once} at once"),
+        ("disk", f"{_size(needs.disk)} of trajectories"),
+        ("speed", f"{needs.speed.value:.2f} of the reference machine's, {needs.speed.known_by}"),
         (
             "compiling",
             f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice that with the yield-acceleration search",
@@ -300,10 +300,10 @@ def _size(mebibytes: float) -> str:
     return f"{mebibytes:.3g} MiB" if mebibytes < 1000 else f"{mebibytes / 1024:.3g} GiB"
 
 
-def record(found: StudyCost) -> dict[str, Any]:
+def record(needs: StudyCost) -> dict[str, Any]:
     """The prediction for machines: times in s, memory and disk in MiB."""
-    return _plain(found) | {"card": found.card and _plain(found.card)}
+    return _plain(needs) | {"card": needs.card and _plain(needs.card)}
 
 
-def _plain(found: StudyCost | CardCost) -> dict[str, Any]:
-    return found._asdict() | {"speed": found.speed.value, "known_by": found.speed.known_by}
+def _plain(needs: StudyCost | CardCost) -> dict[str, Any]:
+    return needs._asdict() | {"speed": needs.speed.value, "known_by": needs.speed.known_by}

@@ -75,8 +75,8 @@ class Row(NamedTuple):
     @property
     def differs(self) -> list[str]:
         """What differs from what is planned now, a line each."""
-        found = [f"{origin.file}: {line}" for origin in self.origins for line in origin.differs]
-        return found + [f"{n.column}: {n.value} in the table, {n.again} measured now" for n in self.numbers if not n.agrees]
+        told = [f"{origin.file}: {line}" for origin in self.origins for line in origin.differs]
+        return told + [f"{n.column}: {n.value} in the table, {n.again} measured now" for n in self.numbers if not n.agrees]
 
 
 def explain(file: Path, conditions: Mapping[str, str], column: str | None, configfile: Path | None, as_json: bool) -> tuple[str, int]:
@@ -174,15 +174,15 @@ def origin(catalogue: Catalogue, file: str) -> tuple[Origin, Run | None]:
 
 def contents(scene: Mapping[str, Any], section: str = "") -> list[Content]:
     """What the sections of a scene took from files: their names, and digests of the content, as the scene holds it."""
-    found = []
+    taken = []
     if isinstance(scene.get("file"), str):
         held = {name: scene[name] for name in CONTENT_KEYS if scene.get(name) is not None}
         if held:
-            found.append(Content(section, scene["file"], trajectory.text_digest(held)))
+            taken.append(Content(section, scene["file"], trajectory.text_digest(held)))
     for name, part in scene.items():
         if isinstance(part, Mapping):
-            found += contents(part, f"{section}.{name}" if section else name)
-    return found
+            taken += contents(part, f"{section}.{name}" if section else name)
+    return taken
 
 
 def _row(catalogue: Catalogue, row: Mapping[str, str]) -> Row:
@@ -236,7 +236,7 @@ def _origin_lines(each: Origin) -> list[str]:
     return [
         f"run      {each.file} ({each.status})" if each.scene_digest else f"run      {each.file}",
         f"scene    {each.scene_digest}",
-        *(f"content  {found.digest}  {found.section} from {found.file}" for found in each.contents),
+        *(f"content  {content.digest}  {content.section} from {content.file}" for content in each.contents),
         f"solver   {each.solver_digest or 'not recorded'}",
         f"versions {each.versions}",
     ]
@@ -260,7 +260,7 @@ def record(rows: Sequence[Row], plan: Plan) -> dict[str, Any]:
             {
                 "row": row.point,
                 "differs": row.differs,
-                "runs": [each._asdict() | {"contents": [found._asdict() for found in each.contents]} for each in row.origins],
+                "runs": [each._asdict() | {"contents": [content._asdict() for content in each.contents]} for each in row.origins],
                 "numbers": [number._asdict() for number in row.numbers],
             }
             for row in rows

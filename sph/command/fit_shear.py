@@ -129,10 +129,10 @@ def words(tests: Sequence[ShearTest], strengths: Sequence[Strength] | None, loss
         )
         for test in tests
     ]
-    found = [] if strengths is None else [(name, said(each)) for name, each in zip(("peak", "residual"), strengths, strict=True)]
+    facts = [] if strengths is None else [(name, said(each)) for name, each in zip(("peak", "residual"), strengths, strict=True)]
     if strengths is None:
-        found = [("residual over peak", f"{tests[0].residual / tests[0].peak:.3g}; c and phi need the normal stress (--normal-stress)")]
-    found += [
+        facts = [("residual over peak", f"{tests[0].residual / tests[0].peak:.3g}; c and phi need the normal stress (--normal-stress)")]
+    facts += [
         (
             each.shape,
             f"misfit {each.misfit:.2f} kPa; strength falls from {1e3 * each.slip_at_peak:.3g} mm on, slip at residual "
@@ -140,12 +140,12 @@ def words(tests: Sequence[ShearTest], strengths: Sequence[Strength] | None, loss
         )
         for each in losses
     ]
-    return f"{table(head, rows)}\n{aligned(found)}"
+    return f"{table(head, rows)}\n{aligned(facts)}"
 
 
-def said(found: Strength) -> str:
+def said(strength: Strength) -> str:
     """A strength with its bounds."""
-    return f"c {bounded(found.cohesion)} kPa, phi {bounded(found.friction_angle)} degrees"
+    return f"c {bounded(strength.cohesion)} kPa, phi {bounded(strength.friction_angle)} degrees"
 
 
 def bounded(number: Bounded) -> str:
@@ -167,7 +167,7 @@ def written(made: dict[str, Any], strengths: Sequence[Strength] | None, losses: 
         "coupling.softening.shape": f"misfit {best.misfit:.2f} kPa{others}",
         "coupling.softening.width": f"m, {WIDTH} of the slope's height; no test gives it, at least three spacings",
     }
-    for name, number in zip(SOIL, [] if strengths is None else [each for found in strengths for each in found], strict=False):
+    for name, number in zip(SOIL, [] if strengths is None else [each for fit in strengths for each in fit], strict=False):
         cut = "; at most that at the peak" * (made["soil"][name] < rounded(number.value))
         about[f"soil.{name}"] = f"{SOIL[name]}; the tests give {bounded(number)}{cut}"
     if width is not None:

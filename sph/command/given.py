@@ -23,12 +23,12 @@ def earlier_run(path: Path) -> Group | None:
     with path.open("rb") as file:
         if not file.read(4).startswith(SIGNATURES):
             return None
-    found = trajectory.read(path)
-    if "by" in found.attrs:
+    run = trajectory.read(path)
+    if "by" in run.attrs:
         raise ValueError(
-            f"{path}: holds the trials of a search ({found.attrs['by']}), not a run; repeat it with sph fos or sph yield-acceleration"
+            f"{path}: holds the trials of a search ({run.attrs['by']}), not a run; repeat it with sph fos or sph yield-acceleration"
         )
-    return found
+    return run
 
 
 def read_given(path: Path, overrides: Mapping[str, Any], earlier: Group | None = None) -> tuple[Scene, list[str]]:

@@ -88,7 +88,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
         rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
-    rows += [(found.severity, f"{sentence(found)} [{found.code}]") for found in findings(scene, particles)]
+    rows += [(finding.severity, f"{sentence(finding)} [{finding.code}]") for finding in findings(scene, particles)]
     rows.append(("expected error", expected_sentence(scene)))
     rows += [
         ("estimated cost", f"{expected.seconds:.3g} s {ON_REFERENCE} ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),

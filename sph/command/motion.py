@@ -46,7 +46,7 @@ def motion(path: Path, changes: Mapping[str, Any], treatment: Mapping[str, Any],
     shaking = read_shaking(path, changes, treatment, direction == "turned")
     if out is not None:
         check_picture(out, shaking.files, "--plot")
-    found = {name: measure(values, shaking.interval) for name, values in shaking.components.items()}
+    measured = {name: measure(values, shaking.interval) for name, values in shaking.components.items()}
     if out is not None:
         from sph.figures.ground_motion import figure_ground_motion
         from sph.figures.style import save
@@ -54,8 +54,8 @@ def motion(path: Path, changes: Mapping[str, Any], treatment: Mapping[str, Any],
         save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
     say(*(line(each) for each in shaking.findings))
     if as_json:
-        return to_json({name: values._asdict() for name, values in found.items()}, indent=1)
-    return table(("", *found), rows(found))
+        return to_json({name: values._asdict() for name, values in measured.items()}, indent=1)
+    return table(("", *measured), rows(measured))
 
 
 def read_treated(path: Path, treatment: Mapping[str, Any]) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -96,7 +96,7 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
             interval, _, columns = read_even(str(path), treatment.get("unit"), component=treatment.get("component"))
         components = dict(zip(("horizontal", "vertical"), columns, strict=False))
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
-        found = implausible(components, "--unit") + sparse(interval) + drifting(motion, *CURE)
+        told = implausible(components, "--unit") + sparse(interval) + drifting(motion, *CURE)
         name, files = os.fsencode(path.name).decode("utf-8", "replace"), [str(path)]
     else:
         earlier = earlier_run(path)
@@ -105,24 +105,24 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
         scene, files = read_given(path, laid_over(path, overrides, treatment), earlier)
         loading = loading_of(scene)
         components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
-        name, interval, found = scene.name, float(loading.time[1]), of_motion(scene)
-    found = [each for each in found if each.code != "record-polarity"]
+        name, interval, told = scene.name, float(loading.time[1]), of_motion(scene)
+    told = [each for each in told if each.code != "record-polarity"]
     if turned:
         components["horizontal"] = -components["horizontal"]
     horizontal = components["horizontal"]
-    found += one_sided(GroundMotion(interval * np.arange(horizontal.size), horizontal), "--direction", "motion.factor")
-    return Shaking(name, files, interval, components, tuple(found))
+    told += one_sided(GroundMotion(interval * np.arange(horizontal.size), horizontal), "--direction", "motion.factor")
+    return Shaking(name, files, interval, components, tuple(told))
 
 
-def rows(found: Mapping[str, Measures]) -> list[list[str]]:
+def rows(measured: Mapping[str, Measures]) -> list[list[str]]:
     """Rows of text: measure, then its value for every component."""
     texts = {
-        "peak acceleration (PGA)": [in_both(m.peak_acceleration) for m in found.values()],
-        "peak velocity (PGV)": [f"{m.peak_velocity:.4g} m/s" for m in found.values()],
-        "peak displacement (PGD)": [f"{m.peak_displacement:.4g} m" for m in found.values()],
-        "Arias intensity": [f"{m.arias_intensity:.4g} m/s" for m in found.values()],
-        "significant duration D5-75": [f"{m.duration_5_75:.4g} s" for m in found.values()],
-        "significant duration D5-95": [f"{m.duration_5_95:.4g} s" for m in found.values()],
-        "velocity at the end": [f"{m.final_velocity:.2g} m/s" for m in found.values()],
+        "peak acceleration (PGA)": [in_both(m.peak_acceleration) for m in measured.values()],
+        "peak velocity (PGV)": [f"{m.peak_velocity:.4g} m/s" for m in measured.values()],
+        "peak displacement (PGD)": [f"{m.peak_displacement:.4g} m" for m in measured.values()],
+        "Arias intensity": [f"{m.arias_intensity:.4g} m/s" for m in measured.values()],
+        "significant duration D5-75": [f"{m.duration_5_75:.4g} s" for m in measured.values()],
+        "significant duration D5-95": [f"{m.duration_5_95:.4g} s" for m in measured.values()],
+        "velocity at the end": [f"{m.final_velocity:.2g} m/s" for m in measured.values()],
     }
     return [[name, *values] for name, values in texts.items()]

@@ -87,20 +87,20 @@ def slide(
     blocks = {RECORDED: block(1.0), TURNED: block(-1.0)}
     chosen = max(blocks, key=lambda name: abs(blocks[name].permanent)) if direction == BOTH else direction
     other = next(name for name in blocks if name != chosen)
-    found, sign = blocks[chosen], 1.0 if chosen == RECORDED else -1.0
+    moved, sign = blocks[chosen], 1.0 if chosen == RECORDED else -1.0
     if recorded:
         mean = float(np.trapezoid(motion.acceleration, motion.time)) / float(motion.time[-1] - motion.time[0])
         without = block(sign, mean).permanent
-        if _differ(found.permanent, without):
+        if _differ(moved.permanent, without):
             heed = [each for each in heed if each.code not in ("record-offset", "record-drift")]
-            heed.append(finding("record-offset", *CURE, slip=found.permanent, slip_without=without, mean=mean, difference=MATTERS))
-        if direction != BOTH and abs(blocks[other].permanent) > abs(found.permanent) and _differ(found.permanent, blocks[other].permanent):
-            slips = {"reversed": blocks[other].permanent, "as_recorded": found.permanent}
+            heed.append(finding("record-offset", *CURE, slip=moved.permanent, slip_without=without, mean=mean, difference=MATTERS))
+        if direction != BOTH and abs(blocks[other].permanent) > abs(moved.permanent) and _differ(moved.permanent, blocks[other].permanent):
+            slips = {"reversed": blocks[other].permanent, "as_recorded": moved.permanent}
             heed.append(finding("record-polarity", "--direction both", subject="", **slips))
     heed += implausible({"horizontal": motion.acceleration}, "--scale-to", "--unit")
     extreme = sign * float(motion.acceleration[np.abs(motion.acceleration).argmax()])
     beside = blocks[other].permanent if direction == BOTH else None
-    return Answer(extreme, down, up, down / abs(extreme), found.permanent, found.sliding_time, chosen, beside), heed
+    return Answer(extreme, down, up, down / abs(extreme), moved.permanent, moved.sliding_time, chosen, beside), heed
 
 
 def _differ(one: float, other: float) -> bool:

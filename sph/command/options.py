@@ -145,11 +145,11 @@ def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | Non
     from sph.scene.units import SIZES
 
     check_known("--unit", [unit], tuple(SIZES))
-    found: dict[str, Any] = {} if unit is None else {"unit": unit}
+    treatment: dict[str, Any] = {} if unit is None else {"unit": unit}
     if component is not None:
-        found["component"] = component
+        treatment["component"] = component
     if baseline is not None:
-        found["baseline"] = {"degree": baseline}
+        treatment["baseline"] = {"degree": baseline}
     if band_pass is not None:
         try:
             low, high = (float(corner) if corner.strip() else None for corner in band_pass.split(","))
@@ -157,5 +157,5 @@ def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | Non
             raise ValueError(
                 f"--band-pass {band_pass!r}: write two corner frequencies in Hz, as 0.1,25, or one of them with the comma, as 0.1, or ,25"
             ) from error
-        found["band_pass"] = {"low": low, "high": high}
-    return found
+        treatment["band_pass"] = {"low": low, "high": high}
+    return treatment

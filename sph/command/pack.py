@@ -170,10 +170,10 @@ def pack(configuration: Path, out: Path | None = None, results: bool = False) ->
         packing.add_text(CONFIGURATION, str(configuration))
     scene = packing.add_named(("scene", plan.study.scene, "scene"), configuration)
     if results:
-        found = [file for file in sorted(folder.rglob("*")) if file.is_file() and not file.name.startswith(".")]
-        if not found:
+        files = [file for file in sorted(folder.rglob("*")) if file.is_file() and not file.name.startswith(".")]
+        if not files:
             raise ValueError(f"--results: {folder}: holds no results; run the study first, or leave --results out")
-        for file in found:
+        for file in files:
             packing.add(file, "--results")
         if Path(os.path.abspath(path)).is_relative_to(folder.absolute()):
             raise ValueError(f"--out {path}: lies among the results to be packed; choose another folder")

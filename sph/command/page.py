@@ -50,9 +50,9 @@ class SoFar:
     def renew(self, growing: bool) -> bool:
         """Write the page, which a browser reads again if it is ``growing``, where anything is there that the last one had not."""
         study, base = self.plan.study, self._base
-        found = {state.job.run.id: state for state in look_at(list(self.plan.shared.runs.values()), base)}
-        done = {name: _path(state, base) for name, state in found.items() if state.state == Stand.DONE and _path(state, base).exists()}
-        self.missing = {name: Missing(study.runs[name], _stand(state)) for name, state in found.items() if name not in done}
+        states = {state.job.run.id: state for state in look_at(list(self.plan.shared.runs.values()), base)}
+        done = {name: _path(state, base) for name, state in states.items() if state.state == Stand.DONE and _path(state, base).exists()}
+        self.missing = {name: Missing(study.runs[name], _stand(state)) for name, state in states.items() if name not in done}
         searches = [state for state in look_at(list(self._searches.values()), base) if state.state == Stand.DONE]
         preflight = base / "results" / study.study / FINDINGS.format(fidelity=study.fidelity)
         files = [os.path.relpath(path) for path in (preflight, *(_path(state, base) for state in searches)) if path.is_file()]

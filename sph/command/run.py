@@ -57,8 +57,8 @@ def run(
     if not overwrite:
         check_of_scene(out, scene)
     repeats = earlier is not None and not changes and until is None
-    found = findings(scene)
-    say(*(line(each) for each in found if each.counts))
+    told = findings(scene)
+    say(*(line(each) for each in told if each.counts))
     with reporter(scene.name, scene) as report:
         result = run_to_file(
             scene,
@@ -70,7 +70,7 @@ def run(
             checkpoint,
             say,
             enforce_limit=not repeats,  # what was allowed to run with a step above its limit may be repeated
-            attrs={"findings": codes(found)},
+            attrs={"findings": codes(told)},
             backend=made_by,
         )
     made = Run(result.stored, scene)

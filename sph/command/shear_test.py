@@ -94,8 +94,8 @@ class ShearTest(NamedTuple):
     @property
     def _last(self) -> np.ndarray:
         start, end = self.slip_at_peak, self.slip[-1]
-        found: np.ndarray = self.slip >= end - LAST * (end - start)
-        return found
+        last: np.ndarray = self.slip >= end - LAST * (end - start)
+        return last
 
     @property
     def falling(self) -> float:
@@ -120,25 +120,25 @@ def read_tests(path: Path, normal: float | None = None) -> list[ShearTest]:
             raise ValueError(f"it has a column of normal stress, and --normal-stress gives {normal:g} kPa; give one of them")
         steps = [0, *_changes(table[:, 2]), len(table)] if of_normal else [0, len(table)]
         parts = [table[first:end] for first, end in zip(steps, steps[1:], strict=False)]
-        found = []
+        tests = []
         for part in parts:
             own = float(part[:, 2].mean()) if of_normal else normal
             name = f"{path.name}, {own:.4g} kPa" if len(parts) > 1 else path.name
-            found.append(_test(name, own, part[:, 0], part[:, 1]))
-        return found
+            tests.append(_test(name, own, part[:, 0], part[:, 1]))
+        return tests
     except (OSError, ValueError) as error:
         raise ValueError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
 
 
 def _changes(normal: np.ndarray) -> list[int]:
     """Rows at which another normal stress begins."""
-    found: list[int] = []
+    changes: list[int] = []
     first = normal[0]
     for row, value in enumerate(normal):
         if abs(value - first) > SAME * abs(first):
-            found.append(row)
+            changes.append(row)
             first = value
-    return found
+    return changes
 
 
 def _table(text: str) -> tuple[np.ndarray, bool]:
@@ -150,25 +150,25 @@ def _table(text: str) -> tuple[np.ndarray, bool]:
     if len(lines) < 2:
         raise ValueError("it holds no table; expected a line of names, as displacement (mm),stress (kPa), and a line for each reading")
     (number, head), rows = lines[0], lines[1:]
-    found = names(head, rows[0][1])
-    kinds = [_quantity(name) for name in found]
+    heads = names(head, rows[0][1])
+    kinds = [_quantity(name) for name in heads]
     for kind in ("displacement", "stress"):
         if kinds.count(kind) != 1:
             raise ValueError(
-                f"line {number}: {kinds.count(kind) or 'no'} column{'s' * (kinds.count(kind) > 1)} of {kind} (columns {listed(found)}); "
+                f"line {number}: {kinds.count(kind) or 'no'} column{'s' * (kinds.count(kind) > 1)} of {kind} (columns {listed(heads)}); "
                 "name one, as displacement (mm),stress (kPa), with the unit in brackets"
             )
     if kinds.count("normal") > 1:
-        raise ValueError(f"line {number}: {kinds.count('normal')} columns of normal stress (columns {listed(found)}); leave one")
+        raise ValueError(f"line {number}: {kinds.count('normal')} columns of normal stress (columns {listed(heads)}); leave one")
     wanted = [kinds.index(kind) if kind in kinds else None for kind in ("displacement", "stress", "normal")]
-    sizes = [1.0 if at is None else _size(number, found[at], LENGTHS if kind == 0 else STRESSES) for kind, at in enumerate(wanted)]
+    sizes = [1.0 if at is None else _size(number, heads[at], LENGTHS if kind == 0 else STRESSES) for kind, at in enumerate(wanted)]
     table = np.full((len(rows), 3), math.nan)
     for row, (number, line) in enumerate(rows):
         texts = cells(line)
         try:
             table[row] = [math.nan if at is None else size * float(texts[at]) for at, size in zip(wanted, sizes, strict=True)]
         except (ValueError, IndexError) as error:
-            raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: expected a number in each of {listed(found)}") from error
+            raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: expected a number in each of {listed(heads)}") from error
         if not np.isfinite(table[row][[at is not None for at in wanted]]).all():
             raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: expected finite numbers")
     return table, wanted[2] is not None
@@ -250,16 +250,16 @@ def strength(normal: Sequence[float], stress: Sequence[float]) -> Strength:
     columns = np.column_stack([np.ones_like(sigma), sigma])
     single = bool(np.ptp(sigma) <= SAME * sigma.max())
     columns[:, 0] *= not single
-    found, misfit = scipy.optimize.nnls(columns, tau)
-    free = found > 0.0
+    fitted, misfit = scipy.optimize.nnls(columns, tau)
+    free = fitted > 0.0
     left = tau.size - int(free.sum())
     spread = np.zeros(2)
     if left > 0:
         inverse = np.linalg.inv(columns[:, free].T @ columns[:, free])
         spread[free] = scipy.stats.t.ppf(0.5 + 0.5 * LEVEL, left) * np.sqrt(misfit**2 / left * np.diag(inverse))
-    low, high = (found - spread, found + spread) if left > 0 else np.full((2, 2), math.nan)
-    cohesion = Bounded(float(found[0]), max(float(low[0]), 0.0), float(high[0]))
-    angle = Bounded(*(math.degrees(math.atan(each)) for each in (found[1], max(low[1], 0.0), high[1])))
+    low, high = (fitted - spread, fitted + spread) if left > 0 else np.full((2, 2), math.nan)
+    cohesion = Bounded(float(fitted[0]), max(float(low[0]), 0.0), float(high[0]))
+    angle = Bounded(*(math.degrees(math.atan(each)) for each in (fitted[1], max(low[1], 0.0), high[1])))
     return Strength(Bounded(0.0) if single else cohesion, angle)
 
 
@@ -300,8 +300,8 @@ def fit_loss(tests: Sequence[ShearTest], shape: str) -> Loss:
         return [float(weight @ stress / (weight @ weight)) for weight, (_, stress) in zip(weights, points, strict=True)]
 
     def errors(slips: np.ndarray) -> np.ndarray:
-        found = zip(points, drops(*slips), strict=True)
-        return np.concatenate([drop * _weight(shape, slip, *slips) - stress for (slip, stress), drop in found])
+        fitted = zip(points, drops(*slips), strict=True)
+        return np.concatenate([drop * _weight(shape, slip, *slips) - stress for (slip, stress), drop in fitted])
 
     spread = end - first
     starts = [
@@ -309,7 +309,7 @@ def fit_loss(tests: Sequence[ShearTest], shape: str) -> Loss:
     ]
     start = min(starts, key=lambda each: float(np.square(errors(each)).sum()))
     bounds = ([first, 1e-4 * spread], [end, 10.0 * spread])
-    found = scipy.optimize.least_squares(errors, start, bounds=bounds, x_scale=start, xtol=1e-12, ftol=1e-12)
-    peak, span = (float(each) for each in found.x)
+    fitted = scipy.optimize.least_squares(errors, start, bounds=bounds, x_scale=start, xtol=1e-12, ftol=1e-12)
+    peak, span = (float(each) for each in fitted.x)
     peaks = tuple(test.residual + drop for test, drop in zip(tests, drops(peak, span), strict=True))
-    return Loss(shape, peak, peak + span, float(np.sqrt(np.mean(np.square(found.fun)))), peaks)
+    return Loss(shape, peak, peak + span, float(np.sqrt(np.mean(np.square(fitted.fun)))), peaks)

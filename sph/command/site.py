@@ -104,13 +104,13 @@ def place_of(scene: Scene, x: float | None = None) -> Point:
 def column(scene: Scene, x: float | None = None) -> list[Stratum]:
     """The strata below the ground at x, as ``place_of``, from the top; ValueError outside."""
     at, ground = place_of(scene, x)
-    found = []
+    strata = []
     for number, top, bottom in strata_at(scene, (at, ground)):
         depth, soil = top + (np.arange(SAMPLES) + 0.5) * (bottom - top) / SAMPLES, scene.soils[number]
         stress = effective_overburden(scene, np.full(SAMPLES, at - scene.numerics.lattice_shift * scene.numerics.spacing), ground - depth)
         mean = 1e-3 * float(stress.mean()) * (1.0 + 2.0 * soil.at_rest) / 3.0
-        found.append(Stratum(number, top, bottom, soil.s_wave_speed, 1e-3 * soil.density * GRAVITY, max(mean, 1.0)))
-    return found
+        strata.append(Stratum(number, top, bottom, soil.s_wave_speed, 1e-3 * soil.density * GRAVITY, max(mean, 1.0)))
+    return strata
 
 
 def darendeli(plasticity: float, overconsolidation: float) -> SoilOf:
@@ -132,16 +132,16 @@ def respond(scene: Scene, soil_of: SoilOf, x: float | None = None) -> Site:
     motion = of_extra("pystrata.motion", "site").TimeSeriesMotion("", "", step, np.pad(shaken / GRAVITY, (0, shaken.size)))
     small, _ = _calculated(scene, strata, soil_of, motion, "LinearElasticCalculator")
     peak, parts = _calculated(scene, strata, soil_of, motion, "EquivalentLinearCalculator", TOLERANCE, ROUNDS)
-    found, first = list[Response](), 0
+    responses, first = list[Response](), 0
     for stratum, count in zip(strata, map(_divisions, strata), strict=True):
         ends = np.linspace(stratum.top, stratum.bottom, count + 1).tolist()
         inside = [
             Part(top, bottom, float(np.max(each.strain)), float(each.shear_mod_reduc), float(each.damping))
             for top, bottom, each in zip(ends, ends[1:], parts[first : first + count], strict=False)
         ]
-        found.append(Response(stratum, inside))
+        responses.append(Response(stratum, inside))
         first += count
-    worst = max(found, key=lambda each: each.worst.strain)
+    worst = max(responses, key=lambda each: each.worst.strain)
     if not worst.worst.strain < MAX_STRAIN:
         where, most = ("soil", *scene.layers)[worst.stratum.number], f"{100 * worst.worst.strain:.2g} %"
         words = f"beyond {100 * MAX_STRAIN:g} % equivalent-linear analysis is not valid: the soil fails, so run the scene"
@@ -151,7 +151,7 @@ def respond(scene: Scene, soil_of: SoilOf, x: float | None = None) -> Site:
             f"{scene.name}: modulus and damping do not converge in {ROUNDS} iterations; the shaking is too strong for the method"
         )
     at = scene.geometry.in_survey(scene.geometry.crest[0], 0.0)[0] if x is None else x
-    return Site(at, found, peak, small, float(np.abs(shaken).max()))
+    return Site(at, responses, peak, small, float(np.abs(shaken).max()))
 
 
 def shaking(scene: Scene) -> np.ndarray:
@@ -185,10 +185,10 @@ def _calculated(
     return float(np.abs(surface.values).max()) * GRAVITY, layers
 
 
-def rows(scene: Scene, found: Site) -> list[tuple[str, ...]]:
+def rows(scene: Scene, site: Site) -> list[tuple[str, ...]]:
     """Two rows of ``COLUMNS`` a layer: its means, and its sublayer that is strained most."""
     made = list[tuple[str, ...]]()
-    for each in found.layers:
+    for each in site.layers:
         number, top, bottom, speed, *_ = each.stratum
         layer = ("soil", *scene.layers)[number], f"{top:.3g}", f"{bottom:.3g}", f"{speed:.0f}"
         means = (each.mean("strain"), each.mean("reduction"), each.mean("damping"))
@@ -198,20 +198,20 @@ def rows(scene: Scene, found: Site) -> list[tuple[str, ...]]:
     return made
 
 
-def record(found: Site) -> dict[str, Any]:
+def record(site: Site) -> dict[str, Any]:
     """The response for programs: means over a layer, ``worst``, its most strained sublayer, and all sublayers."""
     layers = [
         {"stratum": each.stratum._asdict()}
         | {name: each.mean(name) for name in ("strain", "reduction", "damping")}
         | {"worst": each.worst._asdict(), "parts": [part._asdict() for part in each.parts]}
-        for each in found.layers
+        for each in site.layers
     ]
-    return found._asdict() | {"layers": layers}
+    return site._asdict() | {"layers": layers}
 
 
-def lines(found: Site) -> list[str]:
+def lines(site: Site) -> list[str]:
     """What the stiffness changes at the surface, in words."""
     return [
-        f"column at x = {found.x:.10g} m, shaken by {in_both(found.peak_base)}",
-        f"PGA at the surface: {in_both(found.peak_small)} with small-strain, {in_both(found.peak)} with strain-compatible stiffness",
+        f"column at x = {site.x:.10g} m, shaken by {in_both(site.peak_base)}",
+        f"PGA at the surface: {in_both(site.peak_small)} with small-strain, {in_both(site.peak)} with strain-compatible stiffness",
     ]

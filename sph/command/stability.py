@@ -81,21 +81,21 @@ def answer(
             stronger = "" if strength == 1.0 else f", {strength:g} times the strength"
             print(f"{spacing:g} m{stronger}: {trial_line(question, trial)}", flush=True)
 
-    found: Search | Extrapolated
+    result: Search | Extrapolated
     if single:
         own = scene.numerics.spacing
-        found = question.find(scene, tolerance, used, lambda trial: report(own, 1.0, trial))
-        searches = {own: found}
+        result = question.find(scene, tolerance, used, lambda trial: report(own, 1.0, trial))
+        searches = {own: result}
     else:
-        found = extrapolated(question.find, scene, tolerance, used, report, spacings)
-        searches = dict(zip(found.spacings, found.searches, strict=True))
+        result = extrapolated(question.find, scene, tolerance, used, report, spacings)
+        searches = dict(zip(result.spacings, result.searches, strict=True))
     if out is not None:
         rows = [{"spacing": spacing} | trial._asdict() for spacing, each in searches.items() for trial in each.trials]
         with whole(out) as temporary:
             pd.DataFrame(rows).to_csv(temporary, index=False)
     if as_json:
-        return to_json(record(question, found, searches, used) | {"findings": [finding_record(each) for each in told]}, indent=1)
-    remain = remaining(scene, question, found) if isinstance(found, Extrapolated) else []
+        return to_json(record(question, result, searches, used) | {"findings": [finding_record(each) for each in told]}, indent=1)
+    remain = remaining(scene, question, result) if isinstance(result, Extrapolated) else []
     return "\n".join([*lines(question, searches), *remain, used.sentence()])
 
 
@@ -111,39 +111,39 @@ def trial_line(question: Question, trial: Trial) -> str:
 def lines(question: Question, searches: Mapping[float, Search]) -> list[str]:
     """What was found at each spacing: the value, its bracket and the number of runs."""
     text = []
-    for spacing, found in searches.items():
-        if not found.upper > 0:
+    for spacing, search in searches.items():
+        if not search.upper > 0:
             head = f"{question.name} at {spacing:g} m: 0, since the slope fails without the load"
         else:
-            value = question.text(found.value)
-            head = f"{question.name} at {spacing:g} m: {value}, stands at {found.stood:.4f} and fails at {found.failed:.4f}"
-        text.append(f"{head}; {len(found.trials)} runs")
+            value = question.text(search.value)
+            head = f"{question.name} at {spacing:g} m: {value}, stands at {search.stood:.4f} and fails at {search.failed:.4f}"
+        text.append(f"{head}; {len(search.trials)} runs")
     return text
 
 
-def remaining(scene: Scene, question: Question, found: Extrapolated) -> list[str]:
+def remaining(scene: Scene, question: Question, result: Extrapolated) -> list[str]:
     """The extrapolated value and the error that remains."""
-    step = "half the step" if found.step_taken else "the whole step"
+    step = "half the step" if result.step_taken else "the whole step"
     kind = "that slip along a plane" if slips_along_a_plane(scene) else "of one soil"
     told = [
-        f"{question.name}: {question.text(found.value)}, {found.how}; remaining error about {question.text(found.error)} "
+        f"{question.name}: {question.text(result.value)}, {result.how}; remaining error about {question.text(result.error)} "
         f"(at least {spread(slips_along_a_plane(scene)):.1%} of the strength, as validated slopes {kind} deviate; else {step} of the "
         "extrapolation, the brackets, and the displacement that the rule allows)"
     ]
     if question.find is yield_acceleration:
-        told.append(f"a change of 1 % in strength changes the {question.name} by {question.text(0.01 * found.sensitivity)}")
+        told.append(f"a change of 1 % in strength changes the {question.name} by {question.text(0.01 * result.sensitivity)}")
     return told
 
 
-def record(question: Question, found: Search | Extrapolated, searches: Mapping[float, Search], rule: FailureRule) -> dict[str, Any]:
+def record(question: Question, result: Search | Extrapolated, searches: Mapping[float, Search], rule: FailureRule) -> dict[str, Any]:
     """The answer for machines; numbers that are not finite are null.  Error and sensitivity are null for a single spacing."""
     return {
         "quantity": question.name,
         "unit": question.unit,
-        "value": found.value,
-        "error": found.error if isinstance(found, Extrapolated) else None,
-        "sensitivity": found.sensitivity if isinstance(found, Extrapolated) else None,
-        "runs": found.runs if isinstance(found, Extrapolated) else len(found.trials),
+        "value": result.value,
+        "error": result.error if isinstance(result, Extrapolated) else None,
+        "sensitivity": result.sensitivity if isinstance(result, Extrapolated) else None,
+        "runs": result.runs if isinstance(result, Extrapolated) else len(result.trials),
         "rule": rule.model_dump() | {"text": rule.sentence()},
         "spacings": [
             {

@@ -51,9 +51,9 @@ def find_study(given: Path | None, configfile: Path | None = None) -> Catalogue:
 
 def _configuration_of(study: str, base: Path) -> Path | None:
     """The only file at most two folders below where a study was started that names the study; None where there is none, or more."""
-    found = []
+    named = []
     for path in (path for depth in ("", "*/", "*/*/") for path in base.glob(f"{depth}*.y*ml")):
         with suppress(ValueError):
             if read_yaml(path).get("study") == study:
-                found.append(path)
-    return found[0] if len(found) == 1 else None
+                named.append(path)
+    return named[0] if len(named) == 1 else None

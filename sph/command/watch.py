@@ -60,10 +60,10 @@ class Watched:
 
 def _stamp(file: str) -> str:
     try:
-        found = os.stat(file)
+        status = os.stat(file)
     except OSError:
         return "-"
-    return f"{found.st_mtime_ns}.{found.st_size}"
+    return f"{status.st_mtime_ns}.{status.st_size}"
 
 
 def served(watched: Watched) -> HTTPServer:

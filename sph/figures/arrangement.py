@@ -63,8 +63,8 @@ def figure_geometry(run: Run, fidelity: str = "") -> Figure:
         raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
     dimensioned = isinstance(geometry, Slope)
     reach, top, bottom = 0.09 * geometry.width, 1.1 * geometry.height, (-0.22 if dimensioned else -0.11) * geometry.height
-    found = found_equilibrium(scene)
-    lines = len(scene.soils) + (0 if found is None else 2)
+    equilibrium = found_equilibrium(scene)
+    lines = len(scene.soils) + (0 if equilibrium is None else 2)
     height = WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.4 if dimensioned else 0.75) + LEGEND_LINE * lines
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     ax = figure.subplots()
@@ -73,7 +73,7 @@ def figure_geometry(run: Run, fidelity: str = "") -> Figure:
     draw_ground(ax, scene)
     draw_seams(ax, scene)
     draw_water(ax, scene)
-    surfaces = draw_surfaces(ax, found)
+    surfaces = draw_surfaces(ax, equilibrium)
     survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
     mark_places(ax, scene, probe_places(run, 0), height=not dimensioned)
     if isinstance(geometry, Slope):
@@ -110,11 +110,11 @@ def draw_layers(ax: Axes, scene: Scene) -> None:
         ax.add_patch(Polygon(outline, facecolor=colour, edgecolor="0.3", linewidth=0.5, clip_path=ground))
 
 
-def draw_surfaces(ax: Axes, found: LimitEquilibrium | None) -> list[Line2D]:
+def draw_surfaces(ax: Axes, equilibrium: LimitEquilibrium | None) -> list[Line2D]:
     """The critical slip surfaces by Bishop's and Spencer's methods, where there are any; the lines, named with their factors of safety."""
     drawn = list[Line2D]()
     for name, style in (("bishop", (0, (4, 1.5))), ("spencer", "-")):
-        surface = getattr(found, name, None)
+        surface = getattr(equilibrium, name, None)
         if surface is not None and surface.x.size:
             label = f"critical surface, {name.capitalize()}: F = {surface.value:.2f}"
             drawn += ax.plot(surface.x, surface.y, color=SURFACE_COLOUR, linewidth=1.1, linestyle=style, zorder=3, label=label)

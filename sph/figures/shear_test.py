@@ -38,8 +38,8 @@ def figure_shear_tests(
     if lines:
         normal, *strengths = np.array(points).T
         along = np.array([0.0, 1.1 * normal.max()])
-        for name, found, (cohesion, angle), style in zip(("peak", "residual"), strengths, lines, LINE_STYLES, strict=False):
-            axes[1].plot(normal, found, "o" if name == "peak" else "s", color="black", markersize=3.5, markerfacecolor="none")
+        for name, strength, (cohesion, angle), style in zip(("peak", "residual"), strengths, lines, LINE_STYLES, strict=False):
+            axes[1].plot(normal, strength, "o" if name == "peak" else "s", color="black", markersize=3.5, markerfacecolor="none")
             label = f"{name}: {cohesion:.3g} kPa, {angle:.3g}°"
             axes[1].plot(along, cohesion + along * math.tan(math.radians(angle)), color=GREY, linestyle=style, linewidth=1.0, label=label)
         axes[1].set(xlabel="normal stress (kPa)", ylabel="shear strength (kPa)", xlim=(0.0, along[1]), ylim=(0.0, None))

@@ -73,19 +73,21 @@ def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) ->
     ``most`` values, and a panel per value of the rest; of anything else a panel per dimension.  ValueError for an empty table."""
     if table.empty:
         raise ValueError("table: no run to draw")
-    names = [found.name for found in dimensions]
-    values = {found: list(dict.fromkeys(table[found.name])) for found in dimensions}
-    varied = [found for found in dimensions if len(values[found]) > 1] or list(dimensions[:1])
-    along = min(varied, key=lambda found: (found.words, found.name != "amplitude"))
-    rest = [found for found in varied if found != along]
-    other = max((found for found in rest if len(values[found]) <= most), key=lambda found: len(values[found]), default=None)
-    split = [found for found in rest if found != other]
+    names = [dimension.name for dimension in dimensions]
+    values = {dimension: list(dict.fromkeys(table[dimension.name])) for dimension in dimensions}
+    varied = [dimension for dimension in dimensions if len(values[dimension]) > 1] or list(dimensions[:1])
+    along = min(varied, key=lambda dimension: (dimension.words, dimension.name != "amplitude"))
+    rest = [dimension for dimension in varied if dimension != along]
+    other = max(
+        (dimension for dimension in rest if len(values[dimension]) <= most), key=lambda dimension: len(values[dimension]), default=None
+    )
+    split = [dimension for dimension in rest if dimension != other]
     is_grid = not table.duplicated(names).any() and math.prod(map(len, values.values())) == len(table)
-    if not is_grid or math.prod(len(values[found]) for found in split) > MAX_PANELS:
-        return Arrangement([Panel("", found, table) for found in dimensions], None, False)
+    if not is_grid or math.prod(len(values[dimension]) for dimension in split) > MAX_PANELS:
+        return Arrangement([Panel("", dimension, table) for dimension in dimensions], None, False)
     panels = []
-    for point in itertools.product(*(values[found] for found in split)):
-        at = dict(zip((found.name for found in split), point, strict=True))
+    for point in itertools.product(*(values[dimension] for dimension in split)):
+        at = dict(zip((dimension.name for dimension in split), point, strict=True))
         of_panel = np.logical_and.reduce([table[name] == value for name, value in at.items()], initial=True)
         panels.append(Panel(title_of(split, at), along, table[np.broadcast_to(of_panel, len(table))]))
     return Arrangement(panels, other, True)
@@ -101,28 +103,30 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
     ``table`` as from ``sph.study.tables.read_table``.  Metrics that no run has, such as the run-out of a block, are left out.  Raises
     ValueError for an empty table.
     """
-    found = arranged(table, dimensions, len(LINE_STYLES))
-    values = [] if found.other is None else list(dict.fromkeys(table[found.other.name]))
+    arrangement = arranged(table, dimensions, len(LINE_STYLES))
+    values = [] if arrangement.other is None else list(dict.fromkeys(table[arrangement.other.name]))
     looks = [{"color": colour, "linestyle": line} for colour, line in zip(curve_colours(len(values)), LINE_STYLES, strict=False)]
     metrics = [name for name in SHOWN if table[name].notna().any()] or list(SHOWN)[:1]
     figure = Figure(layout="constrained")
-    for panel, metric, ax in _axes(figure, found.panels, metrics, 2.1):
+    for panel, metric, ax in _axes(figure, arrangement.panels, metrics, 2.1):
         at = _places(ax, "x", panel.along, table)
         runs = panel.runs.assign(x=panel.runs[panel.along.name].map(at), y=panel.runs[metric])
         curves = (
             [(runs, {"color": GREY, "linestyle": "-"})]
-            if found.other is None
-            else [(runs[runs[found.other.name] == value], look) for value, look in zip(values, looks, strict=True)]
+            if arrangement.other is None
+            else [(runs[runs[arrangement.other.name] == value], look) for value, look in zip(values, looks, strict=True)]
         )
-        for rows, look in curves if found.grid and (found.other or not panel.along.words) else ():
+        for rows, look in curves if arrangement.grid and (arrangement.other or not panel.along.words) else ():
             ax.plot(rows["x"], rows["y"], linewidth=1.0, zorder=1, **look)
         _draw_runs(ax, runs)
         ax.set_ylim(0.0, max(1.06 * float(table[metric].max()), 1e-3) if table[metric].notna().any() else 1.0)
         ax.set_ylabel(SHOWN[metric].format(probe=plain(probe)))
-    if found.other is not None:
-        named = [plain(found.other.shown(value)) for value in values]
+    if arrangement.other is not None:
+        named = [plain(arrangement.other.shown(value)) for value in values]
         handles = [Line2D([], [], label=name, **look) for name, look in zip(named, looks, strict=True)]
-        figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), title=_wrapped(found.other.label), handlelength=3.0)
+        figure.legend(
+            handles=handles, loc="outside upper left", ncols=len(handles), title=_wrapped(arrangement.other.label), handlelength=3.0
+        )
     classes = [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES if (table["collapse_class"] == name).any()]
     _class_legend(figure, table, classes)
     write_note(figure, note)
@@ -137,29 +141,29 @@ def figure_map(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str 
 
     ``table`` as from ``sph.study.tables.read_table``.  Raises ValueError for an empty table.
     """
-    found = arranged(table, dimensions, len(table))
-    if not found.grid:
-        found = Arrangement([Panel("", dimensions[0], table)], (*dimensions[1:], None)[0], False)
-    rows = 1 if found.other is None else min(table[found.other.name].nunique(), 8)
+    arrangement = arranged(table, dimensions, len(table))
+    if not arrangement.grid:
+        arrangement = Arrangement([Panel("", dimensions[0], table)], (*dimensions[1:], None)[0], False)
+    rows = 1 if arrangement.other is None else min(table[arrangement.other.name].nunique(), 8)
     figure = Figure(layout="constrained")
-    for panel, _, ax in _axes(figure, found.panels, [""], 1.0 + 0.25 * rows if found.grid else 3.0):
+    for panel, _, ax in _axes(figure, arrangement.panels, [""], 1.0 + 0.25 * rows if arrangement.grid else 3.0):
         at = [
-            {"": 0.0} if each is None else _places(ax, axis, each, table, found.grid)
-            for axis, each in (("x", panel.along), ("y", found.other))
+            {"": 0.0} if each is None else _places(ax, axis, each, table, arrangement.grid)
+            for axis, each in (("x", panel.along), ("y", arrangement.other))
         ]
         x = panel.runs[panel.along.name].map(at[0])
-        y = pd.Series(0.0, x.index) if found.other is None else panel.runs[found.other.name].map(at[1])
-        if found.grid:
-            _draw_cells(ax, panel.runs.assign(x=x, y=y), len(at[0]) * min(len(found.panels), COLUMNS) <= NUMBERED)
+        y = pd.Series(0.0, x.index) if arrangement.other is None else panel.runs[arrangement.other.name].map(at[1])
+        if arrangement.grid:
+            _draw_cells(ax, panel.runs.assign(x=x, y=y), len(at[0]) * min(len(arrangement.panels), COLUMNS) <= NUMBERED)
         else:
             _draw_runs(ax, panel.runs.assign(x=x, y=y))
-        if found.other is None:
+        if arrangement.other is None:
             ax.set(yticks=[], ylim=(-0.5, 0.5))
     patches = [
         Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for name, colour in zip(CLASSES, class_colours(), strict=True)
     ]
-    _class_legend(figure, table, patches if found.grid else [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES])
-    if found.grid:
+    _class_legend(figure, table, patches if arrangement.grid else [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES])
+    if arrangement.grid:
         figure.text(0.005, 0.995, f"numbers: displacement of {plain(probe)} (m)", ha="left", va="top")
     write_note(figure, note)
     return figure
@@ -188,14 +192,14 @@ def _axes(figure: Figure, panels: Sequence[Panel], metrics: Sequence[str], heigh
                 ax.set_ylabel("")
 
 
-def _places(ax: Axes, axis: str, found: Dimension, table: pd.DataFrame, cells: bool = False) -> dict[str, float]:
+def _places(ax: Axes, axis: str, dimension: Dimension, table: pd.DataFrame, cells: bool = False) -> dict[str, float]:
     """Places of a dimension's values along an axis, which gets its name: words and ``cells`` stand side by side in their order."""
-    words = list(dict.fromkeys(table[found.name]))
-    ax.set(**{f"{axis}label": _wrapped(found.label)})
-    labels = [plain(found.shown(word)).replace(" (", "\n(") for word in words]
-    if found.names:
+    words = list(dict.fromkeys(table[dimension.name]))
+    ax.set(**{f"{axis}label": _wrapped(dimension.label)})
+    labels = [plain(dimension.shown(word)).replace(" (", "\n(") for word in words]
+    if dimension.names:
         labels = [textwrap.fill(label, LONG_NAME) for label in labels]
-    if cells or found.words:
+    if cells or dimension.words:
         longest = max(len(line) for label in labels for line in label.split("\n"))
         getattr(ax, f"set_{axis}ticks")(range(len(words)), labels, rotation=20 if axis == "x" and longest > 8 else 0)
         getattr(ax, f"set_{axis}lim")(-0.5, len(words) - 0.5)

@@ -63,14 +63,14 @@ class Catalogue:
     @property
     def trigger(self) -> TriggerPlan:
         """The searches for critical intensities."""
-        found: TriggerPlan = self.design("trigger")
-        return found
+        plan: TriggerPlan = self.design("trigger")
+        return plan
 
     @property
     def sensitivity(self) -> SensitivityPlan:
         """The designs of the sensitivity analysis."""
-        found: SensitivityPlan = self.design("sensitivity")
-        return found
+        plan: SensitivityPlan = self.design("sensitivity")
+        return plan
 
     def row(self, file: str) -> PlannedRun:
         """The row of a file, relative to the working folder; ValueError where none is."""

@@ -87,7 +87,7 @@ def read_log(path: Path) -> Log | None:
         text, age = path.read_text(encoding="utf-8", errors="replace"), clock.time() - path.stat().st_mtime
     except OSError:
         return None
-    last = {found[RECORD]: found for found in map(_record, text.splitlines()) if found}
+    last = {record[RECORD]: record for record in map(_record, text.splitlines()) if record}
     process, progress, failed = (last.get(kind, {}) for kind in (PROCESS, PROGRESS, FAILED))
     started = Process(process["machine"], process["number"], process["started"]) if process else None
     return Log(started, progress.get("time"), progress.get("left"), failed.get("reason"), age)
@@ -96,10 +96,10 @@ def read_log(path: Path) -> Log | None:
 def _record(line: str) -> dict[str, Any] | None:
     """The record in a line; None in a line for people."""
     try:
-        found = parse_json(line)
+        record = parse_json(line)
     except ValueError:
         return None
-    return found if isinstance(found, dict) and RECORD in found else None
+    return record if isinstance(record, dict) and RECORD in record else None
 
 
 @contextmanager

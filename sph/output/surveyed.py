@@ -32,13 +32,13 @@ def in_survey(run: xr.Dataset) -> xr.Dataset:
     the trajectory as it is stored, and draw in the survey's coordinates anyway.  ValueError for one that is in the survey already.
     """
     geometry = Run(run).scene.geometry
-    found = run.assign_attrs({MARK: "survey"})
+    placed = run.assign_attrs({MARK: "survey"})
     for x, y in (("x0", "y0"), ("x", "y")):
         for name, values in zip((x, y), geometry.in_survey(run[x].values.astype("f8"), run[y].values.astype("f8")), strict=True):
-            found[name] = (run[name].dims, values, {"units": BY_NAME[name].units, "long_name": PLACES[name]})
+            placed[name] = (run[name].dims, values, {"units": BY_NAME[name].units, "long_name": PLACES[name]})
     for name in TURNED if geometry.direction < 0 else ():
-        found[name] = (run[name].dims, -run[name].values, run[name].attrs)
-    return found
+        placed[name] = (run[name].dims, -run[name].values, run[name].attrs)
+    return placed
 
 
 def read_run(path: Path | str, survey: bool = False) -> xr.Dataset:

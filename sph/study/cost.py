@@ -197,8 +197,8 @@ def needs(scene: Scene, what: str = "end", attempt: int = 1) -> Needs:
     More at every attempt.
     """
     if what in SEARCHES:
-        found = max((search_cost(scene, extrapolates) for extrapolates in (False, True)), key=lambda each: each.seconds)
+        needed = max((search_cost(scene, extrapolates) for extrapolates in (False, True)), key=lambda each: each.seconds)
     else:
-        found = cost(scene, until=scene.gravity.duration if what == "gravity" else None)
-    seconds = SLACK * found.seconds + GRACE
-    return Needs(math.ceil(attempt * MEMORY_SLACK * max(found.memory, COMPILER)), math.ceil(attempt * seconds / 60))
+        needed = cost(scene, until=scene.gravity.duration if what == "gravity" else None)
+    seconds = SLACK * needed.seconds + GRACE
+    return Needs(math.ceil(attempt * MEMORY_SLACK * max(needed.memory, COMPILER)), math.ceil(attempt * seconds / 60))

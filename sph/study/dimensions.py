@@ -132,8 +132,8 @@ class Dimension(NamedTuple):
         """The coordinate of a study's table: a dimension of its own, or one along the cases of a list."""
         kind, unit = ("str" if self.words else "f8"), "1" if self.unit == "-" else self.unit
         known = SHORT_NAMES.get(self.name)
-        found = known.axis if known else Variable(self.name, (self.name,), "f8", unit, f"{scene_key(self.name)}: {self.text}")
-        return found._replace(dims=(CASE,) if listed else found.dims, dtype=kind)
+        axis = known.axis if known else Variable(self.name, (self.name,), "f8", unit, f"{scene_key(self.name)}: {self.text}")
+        return axis._replace(dims=(CASE,) if listed else axis.dims, dtype=kind)
 
 
 PRINTED = {"-": "", "1": "", "1/s": "s⁻¹"}
@@ -229,11 +229,11 @@ def value_at(scene: Scene, key: str, where: str) -> tuple[Any, str]:
 
 def number_at(scene: Scene, key: str, where: str) -> tuple[float, str]:
     """The number that a scene has at a dotted key, and its unit; ValueError likewise where it is none."""
-    found, unit = value_at(scene, key, where)
-    if not isinstance(found, (int, float)):
-        there = "null" if found is None else repr(found) if isinstance(found, str) else "no number"
+    value, unit = value_at(scene, key, where)
+    if not isinstance(value, (int, float)):
+        there = "null" if value is None else repr(value) if isinstance(value, str) else "no number"
         raise ValueError(f"{where}: {key}: is {there} in the scene, and must be a number there; write one in the scene, or in overrides")
-    return float(found), unit
+    return float(value), unit
 
 
 def _matches(key: str, known: str) -> bool:

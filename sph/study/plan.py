@@ -162,8 +162,8 @@ class Plan:
     def dimensions(self) -> list[Dimension]:
         """The dimensions with units and meanings."""
         scene = self.built(**next(iter(self.study.runs.values())))
-        found = [dimension(name, values, scene) for name, values in self.study.values.items()]
-        return [each._replace(names=self._records()) if each.name == RECORD else each for each in found]
+        dimensions = [dimension(name, values, scene) for name, values in self.study.values.items()]
+        return [each._replace(names=self._records()) if each.name == RECORD else each for each in dimensions]
 
     def _records(self) -> tuple[tuple[str, str], ...]:
         """The records of the study, as written, with what they are called where each has a name."""
@@ -191,7 +191,7 @@ class Plan:
         """How the study's tables are laid out."""
         listed = self.study.grid is None
         labels = () if listed else tuple(self.study.values.values())
-        axes, places = tuple(found.variable(listed) for found in self.dimensions), place_columns(self.study.metrics.places)
+        axes, places = tuple(dimension.variable(listed) for dimension in self.dimensions), place_columns(self.study.metrics.places)
         return Layout(axes, labels, self.study.numbered, places)
 
     @property

@@ -62,10 +62,10 @@ def differing(attrs: Mapping[str, Any], scene: Scene, path: Path | str) -> list[
     """Keys in which the scene among a file's attributes differs from a planned one, with both values; names of files do not count."""
     if attrs.get("scene") == scene.stored():
         return []
-    found = trajectory.scene_of(Group({}, attrs), str(path))
+    stored = trajectory.scene_of(Group({}, attrs), str(path))
     lines = [
         f"{name}: {one_line(repr(there), SHOWN)} in the file, {one_line(repr(here), SHOWN)} planned"
-        for name, (there, here) in differences(found.model_dump(), scene.model_dump()).items()
+        for name, (there, here) in differences(stored.model_dump(), scene.model_dump()).items()
     ]
     return lines[:MAX_LINES] + [f"and {len(lines) - MAX_LINES} more"] * (len(lines) > MAX_LINES)
 
@@ -111,8 +111,8 @@ def contents(*patterns: str) -> str:
 
 
 def _matching(patterns: Iterable[str]) -> set[Path]:
-    found = {pattern: [path for path in LIBRARY.glob(pattern) if path.is_file()] for pattern in patterns}
-    for pattern, paths in found.items():
+    matching = {pattern: [path for path in LIBRARY.glob(pattern) if path.is_file()] for pattern in patterns}
+    for pattern, paths in matching.items():
         if not paths:
             raise ValueError(f"sources: {pattern}: no such file in {LIBRARY}")
-    return {path for paths in found.values() for path in paths}
+    return {path for paths in matching.values() for path in paths}

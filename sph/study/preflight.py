@@ -116,20 +116,20 @@ class Slopes(NamedTuple):
 
 
 def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
-    found = Slopes({}, {}, {}, {})
+    slopes = Slopes({}, {}, {}, {})
     for name, scene in scenes.items():
         try:
             quick = standing_scene(scene)
             static = static_scene(quick, DEFAULT_RULE)
         except ValueError as error:
-            found.untested.setdefault(finding("stability-unknown", subject="stability", reason=str(error)), []).append(name)
+            slopes.untested.setdefault(finding("stability-unknown", subject="stability", reason=str(error)), []).append(name)
             continue
-        found.statics[name], found.quick[name] = static, quick
+        slopes.statics[name], slopes.quick[name] = static, quick
         residual = weakened(static, static.coupling.S_R)
         at_peak = divided_strength(static_scene(quick, DEFAULT_RULE, own_stiffness=True), 1.0)
         same: dict[str, Any] = {"name": True, "title": True, "probes": True, "coupling": {"S_R"}}
-        found.runs.setdefault((at_peak.model_dump_json(exclude=same), residual.model_dump_json(exclude=same)), []).append(name)
-    return found
+        slopes.runs.setdefault((at_peak.model_dump_json(exclude=same), residual.model_dump_json(exclude=same)), []).append(name)
+    return slopes
 
 
 def preflight_searches(asked: str, elsewhere: bool) -> tuple[str, ...] | None:
@@ -172,7 +172,7 @@ def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = pr
 
     Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``.
     """
-    runs, statics, quick, found = _slopes(scenes)
+    runs, statics, quick, by_finding = _slopes(scenes)
     peaks: dict[str, Peak] = {}
     spent, left = 0.0, list[str]()
     for (peak_key, _), names in runs.items():
@@ -193,12 +193,12 @@ def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = pr
             told += [of_residual(at_residual(static), static), *equilibrium.of_residual(scene)]
             spent += one * (1 + 2 * (peak.begun and not peak.too_much))
         for each in told:
-            if each not in found:
+            if each not in by_finding:
                 say(f"{names[0]}: {line(each)}")
-            found.setdefault(each, []).extend(names)
+            by_finding.setdefault(each, []).extend(names)
     if left:
-        found[finding("stability-unknown", subject="stability of further slopes")] = left
-    return _rows(found)
+        by_finding[finding("stability-unknown", subject="stability of further slopes")] = left
+    return _rows(by_finding)
 
 
 def study_limits(
@@ -210,7 +210,7 @@ def study_limits(
     for (peak_key, _), names in _slopes(scenes).runs.items():
         slopes.setdefault(peak_key, []).extend(names)
     falling = {row.worst_run for row in tested if row.finding.code == "fails-unshaken"}
-    found: dict[Finding, list[str]] = {}
+    by_finding: dict[Finding, list[str]] = {}
     spent, unsearched = 0.0, list[str]()
     for names in slopes.values():
         scene = scenes[names[0]]
@@ -222,23 +222,23 @@ def study_limits(
         of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
         for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
             say(f"{names[0]}: {line(broken)}")
-            found.setdefault(broken, []).extend(names)
+            by_finding.setdefault(broken, []).extend(names)
         limits = [of_limit(code, scene, QUICK_TOLERANCE, quick_spacings(scene)) for code in searches]
         for limit in limits:
             tests = (limit.numbers.get(name, most) for name, most in zip(("coarse_tests", "fine_tests"), QUICK_TRIALS, strict=True))
             spent += search_seconds(scene, list(tests))
             say(f"{names[0]}: {line(limit)}")
-            found.setdefault(limit, []).extend(names)
+            by_finding.setdefault(limit, []).extend(names)
         for each in equilibrium.of_equilibrium(scene, limits):
             say(f"{names[0]}: {line(each)}")
-            found.setdefault(each, []).extend(names)
+            by_finding.setdefault(each, []).extend(names)
     if unsearched:
-        found[finding("stability-unknown", subject="limits of further slopes")] = unsearched
-    return _rows(found)
+        by_finding[finding("stability-unknown", subject="limits of further slopes")] = unsearched
+    return _rows(by_finding)
 
 
-def _rows(found: Mapping[Finding, Sequence[str]]) -> list[Row]:
-    return [Row(each, len(names), names[0]) for each, names in found.items()]
+def _rows(by_finding: Mapping[Finding, Sequence[str]]) -> list[Row]:
+    return [Row(each, len(names), names[0]) for each, names in by_finding.items()]
 
 
 def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
@@ -246,14 +246,14 @@ def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
 
     Each code, key and subject once, in the words of the run in which it is worst.
     """
-    found: dict[tuple[str, tuple[str, ...], str], dict[str, Finding]] = {}
+    by_kind: dict[tuple[str, tuple[str, ...], str], dict[str, Finding]] = {}
     of_all = _of_own_ratios(list(scenes.values()))
     for name, scene in scenes.items():
         for each in findings(scene) + of_all:
-            runs = found.setdefault((each.code, each.keys, each.subject), {})
+            runs = by_kind.setdefault((each.code, each.keys, each.subject), {})
             runs[name] = min(runs.get(name, each), each, key=lambda one: one.rank)
     rows = []
-    for runs in found.values():
+    for runs in by_kind.values():
         worst = min(runs, key=lambda name: runs[name].rank)
         rows.append(Row(runs[worst], len(runs), worst))
     return sorted(rows, key=lambda row: row.finding.rank)
@@ -262,11 +262,11 @@ def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
 def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
     """A warning where the scenes differ in an S_R or gamma that does not reach layers with one of their own, and where they differ in an
     S_R that no soil feels, since residual strengths are written of all that it reaches."""
-    found = []
+    warnings = []
     for key in ("S_R", "gamma"):
         kept = [name for name, layer in scenes[0].layers.items() if getattr(layer, key) is not None] if scenes else []
         if kept and len({getattr(scene.coupling, key) for scene in scenes}) > 1:
-            found.append(finding("own-strength-ratio", f"layers.{kept[0]}.{key}", subject=key, layers=", ".join(kept)))
+            warnings.append(finding("own-strength-ratio", f"layers.{kept[0]}.{key}", subject=key, layers=", ".join(kept)))
     own = [(None, *(layer.S_R for layer in scene.layers.values())) for scene in scenes]
     reached = [
         of.uses_S_R
@@ -276,8 +276,8 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
     ]
     if len({scene.coupling.S_R for scene in scenes}) > 1 and not any(reached):
         keys = ("soil.residual_cohesion", "soil.residual_friction_angle")
-        found.append(finding("own-strength-ratio", *keys, subject="S_R", layers=""))
-    return found
+        warnings.append(finding("own-strength-ratio", *keys, subject="S_R", layers=""))
+    return warnings
 
 
 def tell(rows: Iterable[Row]) -> None:

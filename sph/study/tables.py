@@ -159,11 +159,11 @@ def joined_dataset(frames: Iterable[pd.DataFrame], layout: Layout, attrs: Mappin
     dims = tuple(axis.name for axis in layout.axes) if layout.labels else (CASE,)
     for row in layout.columns:
         if row not in layout.axes:
-            found = columns[row.name]
+            filled = columns[row.name]
             if layout.labels:
-                found = np.full(shape, "" if row.dtype == "str" else np.nan, dtype=found.dtype)
-                found[tuple(np.concatenate(at, axis=1))] = columns[row.name]
-            ds[row.name] = (dims, found, _attributes(row))
+                filled = np.full(shape, "" if row.dtype == "str" else np.nan, dtype=filled.dtype)
+                filled[tuple(np.concatenate(at, axis=1))] = columns[row.name]
+            ds[row.name] = (dims, filled, _attributes(row))
     return ds.assign_coords({CASE: ds[CASE]}) if layout.named else ds
 
 

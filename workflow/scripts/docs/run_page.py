@@ -34,9 +34,9 @@ def read_page(path: Path) -> list[str | Block]:
     text = path.read_text(encoding="utf-8")
     parts: list[str | Block] = []
     end = 0
-    for found in FENCE.finditer(text):
-        parts += [text[end : found.start()], Block(text.count("\n", 0, found.start()) + 1, found[1], found[2])]
-        end = found.end()
+    for fence in FENCE.finditer(text):
+        parts += [text[end : fence.start()], Block(text.count("\n", 0, fence.start()) + 1, fence[1], fence[2])]
+        end = fence.end()
     return [*parts, text[end:]]
 
 
