@@ -114,7 +114,8 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         TAKE_UP if of_card and state.job.run.by == SIMULATION else _started(part, state, start) + part.seconds / known.value
         for state, part in costs
     ]
-    tests, limits = preflight_seconds(_looked_at(plan), preflight_searches(plan.study.searches, bool(plan.searches)))
+    checked = {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
+    tests, limits = preflight_seconds(checked, preflight_searches(plan.study.searches, bool(plan.searches)))
     checks = {CHECKED: start + tests / known.value, PREFLIGHT_FILE: start + limits / known.value}
     test_left, limits_left = (0.0 if (base / plan.folder / file).exists() else time for file, time in checks.items())
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
@@ -200,11 +201,6 @@ def card_speed_here(scene: Scene, copies: int) -> Speed:
 def _started(part: Cost, state: State, start: float) -> float:
     """The time of a job besides its computing, s: short runs share it (``sph.jobs.ahead``)."""
     return start if state.job.run.kind == Kind.SEARCH else min(TAKE_UP + start * part.seconds / TOGETHER, start)
-
-
-def _looked_at(plan: Plan) -> dict[str, Scene]:
-    """The scenes that the preflight looks at, by run."""
-    return {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
 
 
 def measured_speed(states: Sequence[State]) -> Speed:

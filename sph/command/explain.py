@@ -155,16 +155,12 @@ def origin(catalogue: Catalogue, file: str) -> tuple[Origin, Run | None]:
     run = Run(trajectory.read(path), origin=file)
     made = run.scene
     digest, solver = trajectory.scene_digest(made), str(run.attrs.get("solver_digest", ""))
-    differs, planned = [], None
     try:
-        planned = catalogue.row(file)
-        differs = differing(run.attrs, planned.built, file)
+        differs = differing(run.attrs, catalogue.row(file).built, file)
     except ValueError as error:
         differs = [str(error)]
     if run.attrs.get("scene_digest", digest) != digest:
         differs.append(f"its scene has the digest {digest}, the file records {run.attrs['scene_digest']}: it has been changed")
-    if planned and planned.extrapolates and not run.attrs.get("extrapolates", 0):
-        differs.append("searched at one spacing, by an earlier version: limits are now extrapolated from two")
     if solver != solver_digest():
         differs.append(f"made by the solver {solver or 'of a version that did not record it'}; the installed solver is {solver_digest()}")
     versions = str(run.attrs.get("versions", ""))

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import TextIO
 
 from sph.jobs.log import PROGRESS, JobLog
@@ -16,10 +17,11 @@ from sph.solver.run import Progress
 from sph.solver.terms import wanted_terms
 
 
-def rate_text(progress: Progress) -> str:
-    """Particle-steps per second, in words."""
+def words(progress: Progress) -> str:
+    """How far a run is, how much of its soil has failed, and how fast it is."""
     rate = progress.particle_steps / progress.elapsed if progress.elapsed > 0 else 0.0
-    return f"{rate / 1e6:.2f} M particle-steps/s"
+    failed = f"{progress.failed_fraction:.0%} failed"
+    return f"{progress.time:.2f} of {progress.duration:g} s, {failed}, {rate / 1e6:.2f} M particle-steps/s"
 
 
 def compiling(variant: str, last: float | None) -> str:
@@ -50,14 +52,23 @@ def reporter(label: str, scene: Scene, stream: TextIO | None = None) -> Iterator
             task = bar.add_task(label, total=None, note="")
 
             def on_terminal(p: Progress) -> None:
-                note = f"{p.time:.2f} of {p.duration:g} s, {p.failed_fraction:.0%} failed, {rate_text(p)}"
-                bar.update(task, completed=p.time, total=p.duration, note=note)
+                bar.update(task, completed=p.time, total=p.duration, note=words(p))
 
             with before_compiling(advance, variant, lambda last: bar.console.print(f"{label}: {compiling(variant, last)}")):
                 yield on_terminal
         return
     with before_compiling(advance, variant, lambda last: print(f"{label}: {compiling(variant, last)}", file=stream, flush=True)):
-        yield Records(stream) if isinstance(stream, JobLog) else Lines(label, stream)
+        yield Sparse(partial(record, stream) if isinstance(stream, JobLog) else partial(line, label, stream))
+
+
+def line(label: str, stream: TextIO, progress: Progress, left: float) -> None:
+    """Write a line for people, with the wall time left, s."""
+    print(f"{label}: {words(progress)}{'' if math.isnan(left) else f', {left:.0f} s left'}", file=stream, flush=True)
+
+
+def record(log: JobLog, progress: Progress, left: float) -> None:
+    """Write a record into the log of a job, with the wall time left, s."""
+    log.record(PROGRESS, **progress._asdict(), left=left)
 
 
 class Sparse:
@@ -78,23 +89,3 @@ class Sparse:
         self.printed, self.printed_at = tenth, p.elapsed
         gained = p.time - self.first_time
         self.tell(p, (p.duration - p.time) / gained * p.elapsed if gained > 0 else math.nan)
-
-
-class Lines(Sparse):
-    """Lines for people."""
-
-    def __init__(self, label: str, stream: TextIO) -> None:
-        super().__init__(self._print)
-        self.label, self.stream = label, stream
-
-    def _print(self, p: Progress, left: float) -> None:
-        note = f"{p.time:.2f} of {p.duration:g} s, {p.failed_fraction:.0%} failed, {rate_text(p)}"
-        rest = "" if math.isnan(left) else f", {left:.0f} s left"
-        print(f"{self.label}: {note}{rest}", file=self.stream, flush=True)
-
-
-class Records(Sparse):
-    """Records in the log of a job: the progress and the wall time left, s."""
-
-    def __init__(self, log: JobLog) -> None:
-        super().__init__(lambda p, left: log.record(PROGRESS, **p._asdict(), left=left))

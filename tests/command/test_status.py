@@ -22,7 +22,7 @@ from sph.command.status import State, estimate, look, look_at, sentence, watch
 from sph.command.study import find_study
 from sph.jobs.exit_codes import REFUSED
 from sph.jobs.log import FRESH, PROCESS, PROGRESS, Process, job_log, line_of, read_log
-from sph.jobs.progress import SECONDS, Lines, reporter
+from sph.jobs.progress import SECONDS, reporter
 from sph.scene.schema import make_scene
 from sph.solver.run import Progress
 from sph.study.plan import Plan
@@ -162,8 +162,7 @@ def test_the_log_begins_with_its_process(tmp_path: Path) -> None:
 
 def test_lines_come_at_every_tenth_and_every_half_minute(tmp_path: Path) -> None:
     path = tmp_path / "log"
-    with path.open("w") as stream:
-        tell = Lines("run", stream)
+    with path.open("w") as stream, reporter("run", make_scene(SLOPE), stream) as tell:
         for step in range(100):
             tell(progress(0.3 + 0.001 * step, 2.0 * step))
     lines = path.read_text().splitlines()
