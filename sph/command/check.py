@@ -73,14 +73,14 @@ def answer(
     if plot is not None:
         check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
     places = {} if study is None else places_of(study, scene)
-    checked = check(scene)
+    found = check(scene)
     if plot is not None:
         from sph.figures.style import save
 
-        save(draw(checked, places, None if earlier is None or changes else Run(earlier, scene)), plot)
-    others = in_alternatives(path, changes, study, checked.findings)
-    liquefied = [] if magnitude is None else of_liquefaction(scene, checked.particles, magnitude)
-    facts, layers, told = rows(checked), layer_rows(checked), (stability(scene) if static else []) + liquefied + checked.findings
+        save(draw(found, places, None if earlier is None or changes else Run(earlier, scene)), plot)
+    others = in_alternatives(path, changes, study, found.findings)
+    liquefied = [] if magnitude is None else of_liquefaction(scene, found.particles, magnitude)
+    facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + liquefied + found.findings
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
         alternatives = {name: [record(each) for each in of] for name, of in others.items()}
@@ -89,8 +89,8 @@ def answer(
     return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told), *other_lines(others)])
 
 
-def in_alternatives(path: Path, changes: Mapping[str, Any], study: Path | None, known: Sequence[Finding]) -> dict[str, list[Finding]]:
-    """Errors and warnings of each alternative of a study besides what is ``known`` of the scene as it is; ValueError for one that is
+def in_alternatives(path: Path, changes: Mapping[str, Any], study: Path | None, found: Sequence[Finding]) -> dict[str, list[Finding]]:
+    """Errors and warnings of each alternative of a study besides what was ``found`` in the scene as it is; ValueError for one that is
     refused."""
     written = read_yaml(study).get("alternatives") or {} if study else {}
     if not isinstance(written, Mapping) or not all(isinstance(keys, Mapping) for keys in written.values()):
@@ -101,13 +101,13 @@ def in_alternatives(path: Path, changes: Mapping[str, Any], study: Path | None, 
             of = check(read_given(path, merge(changes, keys))[0]).findings
         except ValueError as error:
             raise ValueError(f"{study}: alternatives.{name}: {error}") from error
-        others[name] = [each for each in of if each.counts and each not in known]
+        others[name] = [each for each in of if each.counts and each not in found]
     return others
 
 
 def other_lines(others: Mapping[str, Sequence[Finding]]) -> list[str]:
     """A line for each finding in an alternative, and for an alternative without more."""
-    return [f"{name}: {said}" for name, told in others.items() for said in (list(map(line, told)) or ["no further warnings"])]
+    return [f"{name}: {said}" for name, found in others.items() for said in (list(map(line, found)) or ["no further warnings"])]
 
 
 def told_lines(told: Sequence[Finding]) -> list[str]:
@@ -118,26 +118,24 @@ def told_lines(told: Sequence[Finding]) -> list[str]:
 def shown(path: Path, changes: Mapping[str, Any], study: Path | None) -> Shown:
     """Section, findings and summary of the scene in a file for the browser."""
     scene, inputs = read_given(path, changes)
-    checked = check(scene)
-    figure = draw(checked, {} if study is None else places_of(study, scene))
-    others = in_alternatives(path, changes, study, checked.findings)
-    text = "\n".join([*told_lines(checked.findings), *other_lines(others), "", aligned(rows(checked))])
+    found = check(scene)
+    figure = draw(found, {} if study is None else places_of(study, scene))
+    others = in_alternatives(path, changes, study, found.findings)
+    text = "\n".join([*told_lines(found.findings), *other_lines(others), "", aligned(rows(found))])
     return Shown(svg(lambda file: figure.savefig(file, format="svg")), text, [*inputs, *([] if study is None else [str(study)])])
 
 
 def check(scene: Scene) -> Check:
     """Place the particles and look at the scene; ValueError for a probe away from the soil."""
     particles = place_particles(scene)
-    equilibrium = found_equilibrium(scene)
-    told = sorted(
-        [*findings(scene, particles), *slip_at_base(scene, equilibrium), *without_surface(scene, equilibrium)], key=lambda each: each.rank
-    )
-    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), equilibrium, told)
+    found = found_equilibrium(scene)
+    told = sorted([*findings(scene, particles), *slip_at_base(scene, found), *without_surface(scene, found)], key=lambda each: each.rank)
+    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), found, told)
 
 
-def rows(checked: Check) -> list[tuple[str, str]]:
+def rows(found: Check) -> list[tuple[str, str]]:
     """Pairs of label and text: the slope, sizes and cost."""
-    scene, particles = checked.scene, checked.particles
+    scene, particles = found.scene, found.particles
     n, soil, geometry = particles.x.size, particles.n_soil, scene.geometry
     expected = cost(scene)
     lines = [
@@ -151,8 +149,8 @@ def rows(checked: Check) -> list[tuple[str, str]]:
         toe, crest = (geometry.in_survey(*place) for place in (geometry.toe, geometry.crest))
         steep = f"{geometry.slope_height:.4g} m high, 1 : {(geometry.crest[0] - geometry.toe[0]) / geometry.slope_height:.2g}"
         lines.append(("slope", f"toe ({toe[0]:.10g}, {toe[1]:.10g}) m, crest ({crest[0]:.10g}, {crest[1]:.10g}) m, {steep}"))
-    lines += equilibrium_rows(checked.equilibrium)
-    for name, particle in checked.probes.items():
+    lines += equilibrium_rows(found.equilibrium)
+    for name, particle in found.probes.items():
         x, y = geometry.in_survey(float(particles.x[particle]), float(particles.y[particle]))
         lines.append((f"probe {name}", f"({x:.10g}, {y:.10g}) m"))
     lines += [(f"seam {name}", text) for name, text in seam_rows(scene, particles)]
@@ -173,22 +171,22 @@ def rows(checked: Check) -> list[tuple[str, str]]:
     ]
 
 
-def equilibrium_rows(equilibrium: LimitEquilibrium | None) -> list[tuple[str, str]]:
+def equilibrium_rows(found: LimitEquilibrium | None) -> list[tuple[str, str]]:
     """Label and text of the limits by limit equilibrium; none for a scene without a slope."""
-    if equilibrium is None:
+    if found is None:
         return []
-    numbers = equilibrium_numbers(equilibrium)
+    numbers = equilibrium_numbers(found)
     return [("factor of safety", factor_words(numbers)), ("yield acceleration", yield_words(numbers))]
 
 
 LAYER_COLUMNS = ("layer", "particles", "across", "V_s (m/s)", "λ (m)", "λ/spacing", "λ/h")
 
 
-def layer_rows(checked: Check) -> list[tuple[str, ...]]:
+def layer_rows(found: Check) -> list[tuple[str, ...]]:
     """A row of ``LAYER_COLUMNS`` a material; λ: length of shear waves at the motion's highest significant frequency."""
-    scene, frequency = checked.scene, highest_frequency(checked.scene)
+    scene, frequency = found.scene, highest_frequency(found.scene)
     made: list[tuple[str, ...]] = []
-    for layer, name in zip(checked.layers, (scene.soil.name or "soil", *scene.layers), strict=True):
+    for layer, name in zip(found.layers, (scene.soil.name or "soil", *scene.layers), strict=True):
         speed = layer.soil.s_wave_speed
         length = speed / frequency if frequency else 0.0
         waves = (f"{length:.3g}", f"{length / scene.numerics.spacing:.3g}", f"{in_wave(scene, layer.soil, frequency):.3g}")
@@ -207,9 +205,9 @@ def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:
     return places
 
 
-def draw(checked: Check, places: Mapping[str, PlaceAt] | None = None, run: Run | None = None) -> Figure:
+def draw(found: Check, places: Mapping[str, PlaceAt] | None = None, run: Run | None = None) -> Figure:
     """The scene as a figure, with its critical slip surfaces, the places of a study and the soil that fails in a run of it; the drawing
     library, which needs a folder to write in, is imported here only."""
     from sph.figures.scene import figure_scene
 
-    return figure_scene(checked.scene, checked.particles, checked.probes, places, checked.equilibrium, run)
+    return figure_scene(found.scene, found.particles, found.probes, places, found.equilibrium, run)
