@@ -101,7 +101,8 @@ def site(path: Path, changes: Mapping[str, Any], at: float | None, plasticity: f
 def compatible(data: Mapping[str, Any], scene: Scene, site_response: Site) -> Written:
     """The scene with the strain-compatible stiffness and damping of a column; ValueError for what cannot be divided into bands."""
     for largest in RANGES:
-        made = _compared(stiffened(data, scene, site_response, largest), scene, site_response)
+        stiff, untouched, split = stiffened(data, scene, site_response, largest)
+        made = Written(*damped(stiff, scene, site_response), untouched, split)
         if made.within:
             break
     return made
@@ -133,16 +134,11 @@ def _thickness(parts: Sequence[Part]) -> float:
     return sum(each.bottom - each.top for each in parts)
 
 
-class Stiffened(NamedTuple):
-    """A scene's mapping with bands of stiffness, not damped yet; the names are those of ``Written``."""
-
-    data: dict[str, Any]
-    untouched: list[str]
-    split: dict[str, list[str]]
-
-
-def stiffened(data: Mapping[str, Any], scene: Scene, site_response: Site, largest: float) -> Stiffened:
-    """The scene's mapping with the modulus of each band; layers that the column does not meet keep theirs."""
+def stiffened(
+    data: Mapping[str, Any], scene: Scene, site_response: Site, largest: float
+) -> tuple[dict[str, Any], list[str], dict[str, list[str]]]:
+    """The scene's mapping with the modulus of each band, not damped yet; layers that the column does not meet keep theirs.  Also which
+    these are, and layers that are split with the names of their bands."""
     bands, names = bands_of(scene, site_response, largest), list(scene.layers)
     ground = scene.geometry.in_survey(*place_of(scene, site_response.x))[1]
     written = data.get("layers") or {}
@@ -170,7 +166,7 @@ def stiffened(data: Mapping[str, Any], scene: Scene, site_response: Site, larges
         lowest = scene.soils[site_response.layers[-1].stratum.number]
         rock = {"density": lowest.density, "s_wave_speed": lowest.s_wave_speed, "p_wave_speed": lowest.p_wave_speed}
         made = merge(made, {"walls": {"bedrock": {name: float(f"{value:.6g}") for name, value in rock.items()}}})
-    return Stiffened(made, untouched, split)
+    return made, untouched, split
 
 
 def _of_modulus(soil: Mapping[str, Any], modulus: float) -> dict[str, Any]:
@@ -241,10 +237,10 @@ def _digits(value: float, digits: int = 10) -> float:
     return float(f"{value:.{digits}g}")
 
 
-def _compared(stiff: Stiffened, scene: Scene, site_response: Site) -> Written:
-    """The scene with the damping that fits best, compared with the sublayered column."""
+def damped(stiff: Mapping[str, Any], scene: Scene, site_response: Site) -> tuple[dict[str, Any], Scene, Response, Response]:
+    """A stiffened scene with the damping that fits best, as mapping and built; what is wanted of it, and what it achieves."""
     origin = f"{scene.name}, strain-compatible"
-    made = make_scene(merge(stiff.data, {"damping": {"ratio": 0.0, "frequencies": [1.0, 2.0]}}), origin)
+    made = make_scene(merge(stiff, {"damping": {"ratio": 0.0, "frequencies": [1.0, 2.0]}}), origin)
     place, sublayers = place_of(scene, site_response.x), [(each.stratum, part) for each in site_response.layers for part in each.parts]
     thickness = np.array([part.bottom - part.top for _, part in sublayers])
     density = np.array([scene.soils[stratum.number].density for stratum, _ in sublayers])
@@ -262,20 +258,19 @@ def _compared(stiff: Stiffened, scene: Scene, site_response: Site) -> Written:
     def response(damping: RayleighDamping) -> Response:
         return Response(natural_frequency(made, place), *linear(column, below, damping, shaken, scene.numerics.time_step))
 
-    def damped(logarithms: np.ndarray) -> RayleighDamping:
-        ratio, span = (float(f"{value:.4g}") for value in np.exp(logarithms))
-        return RayleighDamping(ratio=ratio, frequencies=(first, float(f"{first * span:.4g}")))
+    def of(logarithms: np.ndarray, digits: int = 17) -> RayleighDamping:
+        ratio, span = (_digits(value, digits) for value in np.exp(logarithms))
+        return RayleighDamping(ratio=ratio, frequencies=(first, _digits(first * span, digits)))
 
     def off(logarithms: np.ndarray) -> list[float]:
-        ratio, span = np.exp(logarithms)
-        got = response(RayleighDamping(ratio=ratio, frequencies=(first, first * span)))
+        got = response(of(logarithms))
         return [got.peak / wanted.peak - 1.0, got.strain / wanted.strain - 1.0]
 
     bounds = np.log(np.transpose([RATIOS, SPANS]))
     start = np.log([np.clip(np.average([part.damping for _, part in sublayers], weights=thickness), *RATIOS), 5.0])
-    damping = damped(scipy.optimize.least_squares(off, start, bounds=bounds, diff_step=1e-3, ftol=1e-6).x)
-    data = merge(stiff.data, {"damping": damping.model_dump(mode="json")})
-    return Written(data, make_scene(data, origin), wanted, response(damping), stiff.untouched, stiff.split)
+    damping = of(scipy.optimize.least_squares(off, start, bounds=bounds, diff_step=1e-3, ftol=1e-6).x, 4)
+    data = merge(stiff, {"damping": damping.model_dump(mode="json")})
+    return data, make_scene(data, origin), wanted, response(damping)
 
 
 def linear(column: Column, below: float, damping: RayleighDamping, shaken: np.ndarray, step: float) -> tuple[float, float]:

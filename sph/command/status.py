@@ -153,14 +153,14 @@ class Beside(NamedTuple):
 
 def look_beside(plan: Plan, base: Path) -> list[Beside]:
     """The jobs of a study beside its simulations that are at work or have failed, by their logs."""
-    own, found = {base / run.log for run in plan.jobs}, []
+    own, jobs = {base / run.log for run in plan.jobs}, []
     for path in sorted((base / plan.folder / "logs").glob("*.log")):
         log = read_log(path) if path not in own else None
         if log and log.reason is not None:
-            found.append(Beside(path.stem, Stand.FAILED, log.reason))
+            jobs.append(Beside(path.stem, Stand.FAILED, log.reason))
         elif log and log.process and log.process.alive(log.age):
-            found.append(Beside(path.stem, Stand.RUNNING, BESIDE.get(path.stem, "")))
-    return found
+            jobs.append(Beside(path.stem, Stand.RUNNING, BESIDE.get(path.stem, "")))
+    return jobs
 
 
 def _trials(path: Path) -> int:
@@ -260,16 +260,16 @@ def sentence(states: Sequence[State], at_work: bool = False) -> str:
     left = sum(state.state != Stand.DONE for state in states)
     if not left:
         return "all simulations are done; snakemake -n says whether tables, claims and figures are up to date"
-    found, measured = estimate(states), sum(not math.isnan(state.took) for state in states)
+    needed, measured = estimate(states), sum(not math.isnan(state.took) for state in states)
     running = sum(state.state == Stand.RUNNING for state in states)
     nothing = f"no{' simulation' if at_work else 'thing'} is running; "
-    if found.unknown == left:
+    if needed.unknown == left:
         return f"{'' if running else nothing}time left: unknown until the first job is done"
     basis = f"from {_number(measured, 'benchmark')}" if measured else "from the progress of the running jobs"
-    at_least = f"; {_number(found.unknown, 'job')} of unknown time not counted" if found.unknown else ""
-    if math.isnan(found.time):
-        return f"{nothing}{duration(found.work)} of computing remaining, {basis}{at_least}"
-    return f"time left: about {duration(found.time)} with the {running} running now, {basis}{at_least}; tables and figures need more time"
+    at_least = f"; {_number(needed.unknown, 'job')} of unknown time not counted" if needed.unknown else ""
+    if math.isnan(needed.time):
+        return f"{nothing}{duration(needed.work)} of computing remaining, {basis}{at_least}"
+    return f"time left: about {duration(needed.time)} with the {running} running now, {basis}{at_least}; tables and figures need more time"
 
 
 def _number(count: int, what: str) -> str:
@@ -278,15 +278,15 @@ def _number(count: int, what: str) -> str:
 
 def record(plan: Plan, states: Sequence[State], beside: Sequence[Beside]) -> dict[str, Any]:
     """The overview for machines; numbers that are not known are null."""
-    found = estimate(states)
+    needed = estimate(states)
     rows = [state._asdict() | {"job": state.job.run.id, "kind": state.job.title, "duration": state.job.scene.duration} for state in states]
     return {
         "study": plan.study.study,
         "fidelity": plan.study.fidelity,
         "folder": plan.folder,
-        "work_left": found.work,
-        "time_left": found.time,
-        "not_measured": found.unknown,
+        "work_left": needed.work,
+        "time_left": needed.time,
+        "not_measured": needed.unknown,
         "jobs": rows,
         "beside": [other._asdict() for other in beside],
     }

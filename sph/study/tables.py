@@ -43,10 +43,8 @@ def count_column(name: str, text: str) -> Variable:
 
 
 EXPECTED: tuple[Variable, ...] = tuple(
-    Variable(
+    number_column(
         f"expected_{name}_error",
-        ROW,
-        "f8",
         "1",
         f"largest relative deviation of {what} from the reference of the cost-accuracy study, over its cases, measured on its slope with "
         "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these, and for a slope "
@@ -58,20 +56,16 @@ EXPECTED: tuple[Variable, ...] = tuple(
 MAX_SLOPES = 10
 """Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 BASELINE: tuple[Variable, ...] = (
-    Variable(
+    number_column(
         "yield_acceleration",
-        ROW,
-        "f8",
         "m s-2",
         "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s, by a pseudo-static search, "
         "extrapolated to spacing 0 from that of the run and twice that; 0 "
         "where it fails without any; for uncertain soil that of the mean soil, unless the study sets yield_acceleration: each; NaN "
         f"where its searches are not full, where it has more than {MAX_SLOPES} slopes, or where the search found none (its file says why)",
     ),
-    Variable(
+    number_column(
         "newmark_displacement",
-        ROW,
-        "f8",
         "m",
         "slip of a rigid block with that yield acceleration, which loses no strength, under the horizontal component of the run's motion "
         "(Newmark 1965); infinite where the slope fails without shaking, or under a sustained load above the yield acceleration; NaN "
@@ -79,12 +73,8 @@ BASELINE: tuple[Variable, ...] = (
     ),
 )
 """The sliding block beside the run; see ``sph.study.baseline``."""
-FINDINGS = Variable(
-    "findings",
-    ROW,
-    "str",
-    "1",
-    "codes of the findings on the run's scene before the run and on its results after it, separated by blanks",
+FINDINGS = text_column(
+    "findings", "codes of the findings on the run's scene before the run and on its results after it, separated by blanks"
 )
 VALUES = (*METRICS, *EXPECTED, *BASELINE, FINDINGS)
 

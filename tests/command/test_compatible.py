@@ -170,8 +170,8 @@ def test_bands_change_the_stiffness_alone(values: list[float], region: str, larg
     bands = bands_of(scene, found, largest)
     for inside in bands.values():
         assert all(band.bottom - band.top >= scene.numerics.spacing * (1.0 - 1e-9) for band in inside)
-    made = stiffened(data, scene, found, largest)
-    new = make_scene(made.data)
+    stiff, *_ = stiffened(data, scene, found, largest)
+    new = make_scene(stiff)
     before, after = place_particles(scene), place_particles(new)
     np.testing.assert_array_equal(before.mass, after.mass)
     np.testing.assert_allclose(peak_strength(scene, before), peak_strength(new, after), rtol=1e-7)
@@ -191,7 +191,7 @@ BELOW = {"clay": {"region": {"kind": "elevation", "bottom": 40.0, "top": 57.0}, 
 def test_strength_that_grows_from_the_ground_stays_without_layers() -> None:
     data = merge({**DEEP, "layers": {}}, {"soil": GROWING})
     scene = make_scene(data)
-    made = make_scene(stiffened(data, scene, sublayered(scene, np.geomspace(1.0, 0.1, 60)), 1.5).data)
+    made = make_scene(stiffened(data, scene, sublayered(scene, np.geomspace(1.0, 0.1, 60)), 1.5)[0])
     assert len(made.layers) > 3
     np.testing.assert_allclose(*(peak_strength(each, place_particles(each)) for each in (scene, made)), rtol=1e-7)
 
