@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
-import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
@@ -35,6 +34,7 @@ from sph.page.tables import MAX_VALUES, NOTHING, Code, Table, chosen_keys, csv_t
 from sph.scene.strict_json import finite, parse_json
 from sph.scene.units import beside_g
 from sph.storage.files import whole
+from sph.storage.netcdf import read_attributes
 from sph.storage.trajectory import Status
 from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
 from sph.study.tables import Layout, read_table
@@ -326,8 +326,7 @@ def docs_links(folder: str) -> dict[str, str]:
 def attributes(path: str) -> dict[str, Any]:
     """Attributes of a trajectory, its arrays left alone; ValueError names a file that is not one."""
     try:
-        with xr.open_dataset(path, engine="netcdf4") as run:
-            return {str(name): value for name, value in run.attrs.items()}
+        return read_attributes(path)
     except Exception as error:  # as in sph.storage.trajectory
         raise ValueError(f"{path}: cannot be read as a trajectory: {error}; delete it and repeat the command that wrote it") from error
 

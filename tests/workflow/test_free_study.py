@@ -34,7 +34,7 @@ SAMPLE = {
     "searches": "none",
     "sample": {"size": 2, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [10, 200], "scale": "log"}}},
 }
-ONCE = {"all": 1, "check": 1, "preflight": 1, "figure": 5, "study_figure": 2, "measure": 1, "study": 1, "page": 1}
+ONCE = {"all": 1, "check": 1, "preflight": 1, "figure": 1, "study_figure": 1, "measure": 1, "study": 1, "page": 1}
 
 
 def configured(folder: Path, study: dict[str, Any]) -> tuple[str, str]:

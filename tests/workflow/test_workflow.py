@@ -81,7 +81,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
     once = {"all": 1, "check": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert planned_jobs(folder, *config) == once | {"stage": 3, "search": 1, "simulate": 8, "figure": 7}
+    assert planned_jobs(folder, *config) == once | {"stage": 3, "search": 1, "simulate": 8, "figure": 1}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("results/small/draft/report.html: the study on one page") == 1
@@ -108,7 +108,7 @@ def test_an_error_that_is_known_before_stops_the_study_before_any_run(tmp_path: 
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
     once = {"all": 1, "check": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert jobs == once | {"stage": 4, "search": 1, "simulate": 24, "figure": 7}
+    assert jobs == once | {"stage": 4, "search": 1, "simulate": 24, "figure": 1}
 
 
 @pytest.mark.parametrize(("target", "rule"), [("results/paper/paper/runs/S_R-0.10_gamma-1_amplitude-2.0.nc", "simulate"), ("docs", "docs")])

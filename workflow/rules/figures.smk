@@ -2,62 +2,67 @@
 # Inputs:  the runs each figure shows (config: figures, claims), study.csv; the drawing code.
 # Outputs: figures/*, PNG and PDF
 from sph.experiments.paper.figures import FIGURES as OF_THE_PAPER
-from sph.figures import RUN_FIGURES, STUDY_FIGURES, WITH_PLACES
+from sph.figures import RUN_FIGURES, STUDY_FIGURES
 
-OF_RUNS = RUN_FIGURES | OF_THE_PAPER
+# Drawn together: a process takes as long to start as to draw some.
+OF_RUNS = {name: (RUN_FIGURES | OF_THE_PAPER)[name] for name in PLAN.study.figure_files}
+OF_ALL = {
+    name: of for name, of in STUDY_FIGURES.items() if name not in PLAN.study.left_out
+}
+DRAWN = {
+    run.file: run for name in PLAN.study.figure_files for run in PLAN.figure_runs(name)
+}
+# Figures that other studies have.
+REFUSED = (RUN_FIGURES | OF_THE_PAPER | STUDY_FIGURES).keys() - {*OF_RUNS, *OF_ALL}
+
+
+include: "functions/figures.smk"
 
 
 rule figure:
-    """Draw a figure of one run, or of some."""
+    """Draw the figures of one run, or of some."""
     input:
-        runs=lambda wildcards: [run.file for run in PLAN.figure_runs(wildcards.figure)],
+        runs=[*DRAWN],
     output:
-        shown(f"{RESULTS}/figures/{{figure}}.png", "Figures", "{figure}"),
-        f"{RESULTS}/figures/{{figure}}.pdf",
+        **pictures(OF_RUNS, "{}"),
     log:
-        f"{RESULTS}/logs/{{figure}}.log",
-    wildcard_constraints:
-        figure="|".join(OF_RUNS),
+        f"{RESULTS}/logs/figures.log",
     params:
         **told(
             lambda wildcards: {
-                "name": wildcards.figure,
-                "scenes": [
-                    planned(run.scene) for run in PLAN.figure_runs(wildcards.figure)
-                ],
-                "titles": PLAN.figure_titles(wildcards.figure),
+                "scenes": {file: planned(run.scene) for file, run in DRAWN.items()},
+                "figures": {
+                    name: (
+                        [run.file for run in PLAN.figure_runs(name)],
+                        PLAN.figure_titles(name),
+                    )
+                    for name in OF_RUNS
+                },
                 "fidelity": PLAN.study.fidelity,
-                "marked": (
-                    {
-                        "places": PLAN.study.metrics.places,
-                        "field": PLAN.study.figures.field,
-                    }
-                    if wildcards.figure in WITH_PLACES
-                    else {}
-                ),
+                "marked": {
+                    "places": PLAN.study.metrics.places,
+                    "field": PLAN.study.figures.field,
+                },
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
-        about=lambda wildcards: caption_of(OF_RUNS[wildcards.figure]),
+        about=captions(OF_RUNS),
     script:
-        "../scripts/figures/draw_figure.py"
+        "../scripts/figures/draw_figures.py"
 
 
 rule study_figure:
-    """Draw a figure of all runs."""
+    """Draw the figures of all runs."""
     input:
         table=f"{RESULTS}/study.csv",
     output:
-        shown(f"{RESULTS}/figures/{{figure}}.png", "Figures", "all runs, {figure}"),
-        f"{RESULTS}/figures/{{figure}}.pdf",
+        **pictures(OF_ALL, "all runs, {}"),
     log:
-        f"{RESULTS}/logs/figure_{{figure}}.log",
-    wildcard_constraints:
-        figure="|".join(STUDY_FIGURES),
+        f"{RESULTS}/logs/study_figures.log",
     params:
         **told(
             lambda wildcards: {
-                "name": wildcards.figure,
+                "names": [*OF_ALL],
                 "layout": PLAN.layout._replace(labels=()),
                 "dimensions": PLAN.dimensions,
                 "probe": PLAN.study.metrics.probe,
@@ -65,6 +70,17 @@ rule study_figure:
             }
         ),
         sources=DRAWING,
-        about=lambda wildcards: caption_of(STUDY_FIGURES[wildcards.figure]),
+        about=captions(OF_ALL),
     script:
         "../scripts/figures/draw_study.py"
+
+
+rule no_figure:
+    """Refuse a figure that the study does not have, with the reason."""
+    input:
+        lambda wildcards: PLAN.figure_runs(wildcards.figure),
+    output:
+        f"{RESULTS}/figures/{{figure}}.{{kind}}",
+    wildcard_constraints:
+        figure="|".join(REFUSED),
+        kind="png|pdf",

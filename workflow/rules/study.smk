@@ -15,6 +15,7 @@ rule check:
     benchmark:
         f"{RESULTS}/benchmarks/check.tsv"
     priority: 100
+    retries: 0
     resources:
         **asked(lambda wildcards: PLAN.slope._replace(by=SAFETY)),
     params:

@@ -1,4 +1,4 @@
-"""Draw a figure of all runs of a study."""
+"""Draw the figures of all runs of a study."""
 
 from collections.abc import Sequence
 
@@ -10,18 +10,21 @@ from sph.study.tables import Layout, read_table
 
 def draw_study(
     path_to_table: str,
-    paths_to_pictures: Sequence[str],
-    name: str,
+    paths_to_png: Sequence[str],
+    paths_to_pdf: Sequence[str],
+    names: Sequence[str],
     layout: Layout,
     dimensions: Sequence[Dimension],
     probe: str,
     note: str,
 ) -> None:
-    """Draw a figure of ``STUDY_FIGURES`` from the study's table."""
-    save(STUDY_FIGURES[name](read_table(path_to_table, layout), dimensions, probe, note), *paths_to_pictures)
+    """Draw figures of ``STUDY_FIGURES``, by name, from the study's table."""
+    table = read_table(path_to_table, layout)
+    for name, *pictures in zip(names, paths_to_png, paths_to_pdf, strict=True):
+        save(STUDY_FIGURES[name](table, dimensions, probe, note), *pictures)
 
 
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]):
-        draw_study(snakemake.input.table, snakemake.output, **snakemake.params.given)
+        draw_study(snakemake.input.table, snakemake.output.png, snakemake.output.pdf, **snakemake.params.given)
