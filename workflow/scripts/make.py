@@ -5,9 +5,7 @@ from typing import Any
 
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
-from sph.figures import save
 from sph.jobs.log import Job, job_log
 from sph.output.run import Run
 from sph.scene.strict_json import to_json
@@ -56,12 +54,15 @@ def make(
 def write(made: Any, paths: Iterator[str]) -> None:
     """Write a table, or names, to the next of some paths, a figure to the next two."""
     path = next(paths)
-    if isinstance(made, Figure):
-        save(made, path, next(paths))
-    elif isinstance(made, pd.DataFrame):
+    if isinstance(made, pd.DataFrame):
         write_csv(made, path)
     elif isinstance(made, xr.Dataset):
         trajectory.write(path, made)
+    elif hasattr(made, "savefig"):
+        # Takes as long to import as most tables to make.
+        from sph.figures import save
+
+        save(made, path, next(paths))
     else:
         with whole(path) as temporary:
             temporary.write_text(to_json(made) + "\n", encoding="utf-8")
