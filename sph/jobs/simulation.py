@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -41,7 +41,7 @@ def work(own: Task, others: Sequence[Task], threads: int) -> None:
             held.close()
             for other, then in zip(others, before, strict=True):
                 with suppress(_AtWorkError, OSError, SystemExit), _left_alone(other, then):
-                    make(_going_on(other, {own.file: own.made}), threads, io.StringIO())
+                    make(other, threads, io.StringIO())
         elif not own.made.exists():
             free = []
             for other, then in zip(others, before, strict=True):
@@ -85,12 +85,7 @@ def make_together(own: Task, others: Sequence[Task]) -> None:
         files = {task.file for task in left}
         now, left = [task for task in left if task.restart not in files], [task for task in left if task.restart in files]
         begun = [task for task in now if task.restart not in made or made[task.restart].exists()]
-        make_at_once([_going_on(task, made) for task in begun], own)
-
-
-def _going_on(task: Task, made: Mapping[str, Path]) -> Task:
-    """The task, going on from what this job has made, by file, where that is not in its place yet."""
-    return task._replace(restart=str(made[task.restart])) if task.restart and task.restart in made else task
+        make_at_once([task._replace(restart=str(made[task.restart])) if task.restart in made else task for task in begun], own)
 
 
 def make_at_once(tasks: Sequence[Task], own: Task) -> None:

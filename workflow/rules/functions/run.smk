@@ -1,9 +1,6 @@
 # Purpose: what the jobs that simulate are given.
 # Inputs:  the rows of the catalogue.
 # Outputs: functions for the directives of ../run.smk and of other rules that simulate
-from functools import cache
-from itertools import chain
-
 from sph.jobs.ahead import AT_ONCE, TOGETHER, Task
 from sph.study.cost import job_cost
 
@@ -49,22 +46,13 @@ def rows_of(jobs, rows):
 
 
 def short_ones(own, ready):
-    """Of what could start now, or once a run is made, as many as make with it the work that short ones share."""
+    """Of what could start now as many as make with a run the work that short ones share."""
     worked = 0.0
     for other in ready:
         worked = (worked or job_cost(own).seconds) + job_cost(other).seconds
         if worked > TOGETHER:
             return
         yield other
-
-
-@cache
-def stages_after():
-    """The stages that are to be made, by the one that they go on from."""
-    found = {}
-    for other in rows_of(workflow.dag.needrun_jobs(), {"stage": stage_row}):
-        found.setdefault(other.parent, []).append(other)
-    return found
 
 
 def on_the_card(own, ready):
@@ -92,9 +80,7 @@ def ahead(row, own, rule):
         for other in rows_of(workflow.dag.ready_jobs, {rule: row})
         if not task(other).made.exists()
     )
-    if on_card(own):
-        return map(task, on_the_card(own, ready))
-    return map(task, short_ones(own, chain(stages_after().get(own.file, []), ready)))
+    return map(task, (on_the_card if on_card(own) else short_ones)(own, ready))
 
 
 def simulated(row, rule):
