@@ -171,4 +171,4 @@ def test_the_profile_with_cards(slurm: LocalSlurm, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     assert len(re.findall(r"has been submitted with SLURM jobid", done.stdout + done.stderr)) == 1
     assert all(trajectory.read(tmp_path / RESULTS / stage).attrs["backend"] == "cuda" for stage in stages)
-    assert re.search(r"gpu +gres/gpu:1", slurm.ask("squeue", "--noheader", "--states=all", "--Format=partition,tres-per-job"))
+    assert re.search(r"gpu +gres[/:]gpu:1", slurm.ask("squeue", "--noheader", "--states=all", "--Format=partition,tres-per-job"))
