@@ -30,6 +30,7 @@ from sph.figures.profile import (
     survey_axes,
 )
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, plain, styled, written
+from sph.measures.metrics import AREA_THRESHOLDS
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.layers import LayerMaterial
@@ -42,6 +43,8 @@ from sph.study.dimensions import named
 SEAM_COLOUR = "#8c2d04"
 SURFACE_COLOUR = "#6a0d83"
 FAILED_COLOUR = "#b2182b"
+MOVED = AREA_THRESHOLDS["area_moved_50cm"]
+"""Displacement of failed soil that has slid, m."""
 LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
 NAMED = 0.12
@@ -122,14 +125,25 @@ def draw_surfaces(ax: Axes, found: LimitEquilibrium | None) -> list[Line2D]:
 
 
 def draw_failed(ax: Axes, run: Run) -> list[Patch]:
-    """The soil that has failed by the end of a run, where it lies before the shaking; its entry of a legend, if there is any."""
+    """The soil that has failed by the end of a run, where it lies before the shaking, apart where it has hardly moved: soil and rock may
+    reach their strength, and lose it, without a slip surface.  Returns their entries of a legend, of what there is."""
     failed = run.soil & (run["failed"][-1] == 1)
-    if not failed.any():
-        return []
-    look: dict[str, Any] = {"facecolor": FAILED_COLOUR, "alpha": 0.45, "linewidth": 0.0}
-    x, y = (run[axis][run.gravity_frame, failed] for axis in "xy")
-    draw_circles(ax, x, y, run.scene.numerics.spacing, zorder=2.5, **look)
-    return [Patch(label="SPH: soil that has failed at the end of the run", **look)]
+    moved = np.hypot(*run.displacement()) > MOVED
+    looks: tuple[tuple[np.ndarray, str, dict[str, Any]], ...] = (
+        (failed & moved, f"SPH: failed, and moved by more than {MOVED:g} m", {"facecolor": FAILED_COLOUR, "alpha": 0.55, "linewidth": 0.0}),
+        (
+            failed & ~moved,
+            "SPH: has reached its strength, but moved less",
+            {"facecolor": "none", "edgecolor": FAILED_COLOUR, "linewidth": 0.5},
+        ),
+    )
+    entries = []
+    for there, label, look in looks:
+        if there.any():
+            x, y = (run[axis][run.gravity_frame, there] for axis in "xy")
+            draw_circles(ax, x, y, run.scene.numerics.spacing, zorder=2.5, **look)
+            entries.append(Patch(label=label, **look))
+    return entries
 
 
 def draw_seams(ax: Axes, scene: Scene) -> None:
@@ -248,8 +262,8 @@ def _draw_dimensions(ax: Axes, geometry: Slope) -> None:
 def _material(scene: Scene) -> list[str]:
     """Properties of the scene's own soil and of every layer in words: solid, then what failed soil keeps."""
     return [
-        f"ρ = {soil.density:g} kg/m³, E = {_rounded(1e-3 * soil.youngs_modulus)} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
-        f"φ = {soil.friction_angle:g}°; failed: {_failed(material)}"
+        f"{soil.density:g} kg/m³, Young's modulus {_rounded(1e-3 * soil.youngs_modulus)} MPa, cohesion {_cohesion(soil)}, "
+        f"friction angle {soil.friction_angle:g}°; once failed {_failed(material)}"
         for material, soil in zip(scene.materials, scene.soils, strict=True)
     ]
 
@@ -260,9 +274,9 @@ def _rounded(value: float) -> str:
 
 
 def _failed(material: LayerMaterial) -> str:
-    """What failed soil keeps, how fast it loses the rest and its viscosity, where it has any."""
-    rate = [named("gamma").equation(material.gamma)] * (material.gamma > 0.0)
-    return ", ".join([_kept(material), *rate, *[f"η = {material.soil.viscosity:g} Pa·s"] * (material.soil.viscosity > 0.0)])
+    """Cohesion and friction angle that failed soil keeps."""
+    (cohesion, angle), gradient = material.residual, material.residual_gradient
+    return f"{f'({cohesion:.3g} + {gradient:.3g} z/m)' if gradient else f'{cohesion:.3g}'} kPa, {angle:.3g}°"
 
 
 def coupling_words(scene: Scene) -> str:

@@ -57,14 +57,14 @@ def figure_before_after(
     ``title`` names the run, ``places`` are as in ``metrics.places``, slip surfaces those of ``equilibrium``, ``width`` is in inches; a
     narrow figure only names its soils.  Both stand side by side in a wide figure of a steep section, unless they are to be ``stacked``.
     """
-    scene, failed = run.scene, run.soil & (run["failed"][-1] == 1)
+    scene = run.scene
     left, right, lower, upper = frame_limits(run, -1)
     narrow = width <= NARROW
     steep = (upper - lower) / (right - left) > STEEP and not (stacked or narrow)
     across = (width - 1.6) / (2 if steep else 1)
     left, right, lower, upper = limits = with_room((left, right, lower, upper), scene, places or {}, across)
     panel = across * (upper - lower) / (right - left)
-    lines = len(scene.soils) + failed.any() + (0 if equilibrium is None else 2)
+    lines = len(scene.soils) + 2 + (0 if equilibrium is None else 2)
     height = (1 if steep else 2) * (max(panel, 0.6) + OUTSIDE) + LEGEND_LINE * lines + 0.5
     figure = Figure(figsize=(width, height), layout="compressed")
     before, after = figure.subplots(*((1, 2) if steep else (2, 1)), sharex=True, sharey=True)

@@ -65,7 +65,7 @@ def figure_scene(
     high = (
         panel
         + 1.0
-        + LEGEND_LINE * (len(scene.soils) + (0 if equilibrium is None else 2) + (run is not None))
+        + LEGEND_LINE * (len(scene.soils) + (0 if equilibrium is None else 2) + 2 * (run is not None))
         + (panel + BAR) * len(varying)
     )
     figure = Figure(figsize=(WIDTH, high), layout="constrained")

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from sph.checks.after_run import is_lower_bound, lower_bounds
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, plain, styled, write_note, written
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, metres, plain, styled, write_note, written
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension, title_of
@@ -238,17 +238,12 @@ def _draw_cells(ax: Axes, runs: pd.DataFrame, numbered: bool) -> None:
             ax.text(
                 run["x"],
                 run["y"],
-                "≥ " * is_lower_bound(run) + _metres(run["displacement_magnitude"]),
+                metres(run["displacement_magnitude"], is_lower_bound(run)),
                 ha="center",
                 va="center",
                 color="white" if dark else "black",
                 bbox={"facecolor": colour, "edgecolor": "none", "pad": 1.5},
             )
-
-
-def _metres(value: float) -> str:
-    """A length in a cell: three digits, below a decimetre to a millimetre."""
-    return f"{value:.3g}" if value >= 0.1 else f"{value:.3f}"
 
 
 def _class_legend(figure: Figure, table: pd.DataFrame, handles: Sequence[Any]) -> None:

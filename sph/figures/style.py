@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from textwrap import fill
@@ -25,6 +26,10 @@ WIDTH = 180 / 25.4
 DPI = 200
 """Dots per inch of PNG figures."""
 
+NOTHING, AT_LEAST = "–", "≥ "
+"""Stands for what is not known; before a lower bound."""
+LEAST = 0.01
+"""Least length that is told, m: no spacing resolves less."""
 GREY = "0.45"
 SHAKING = "0.92"
 """Shade of the interval of shaking."""
@@ -159,3 +164,16 @@ def save(figure: Figure, *paths: Path | str) -> None:
         undated = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
         with whole(path) as temporary, matplotlib.rc_context(STYLE):
             figure.savefig(temporary, dpi=DPI, metadata=undated, format=kind)
+
+
+def metres(value: float, bounded: bool = False) -> str:
+    """A length in m, to three digits or a millimetre, below ``LEAST`` as that, or that it is at least so much where it is ``bounded``;
+    that of a block which never stops has no end."""
+    if bounded and not math.isnan(value):
+        return AT_LEAST + (metres(value) if abs(value) >= LEAST else "0")
+    if value == math.inf:
+        return "unlimited"
+    if math.isnan(value):
+        return NOTHING
+    digits = 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
+    return f"{value:.{digits}f}" if abs(value) >= LEAST else f"< {LEAST:g}" if value else "0"

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
 from sph.checks.after_run import is_bounded, is_braked, is_lower_bound
+from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import REACHED, column_of, places_in
-from sph.page.tables import AT_LEAST, NOTHING, Table, metres
+from sph.page.tables import Table
 from sph.scene.units import in_both
-from sph.study.dimensions import ALTERNATIVE, BASE, Dimension, title_of
+from sph.study.dimensions import ALTERNATIVE, AS_IT_IS, BASE, Dimension, title_of
 
 AMPLITUDE = "amplitude"
+MORE = " more movement"
+NOTICED = 0.5
+"""Percent of the displacement below which nothing is saved."""
 
 
 def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> list[Table]:
@@ -36,14 +40,14 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
     places = places_in(table.columns)
     rows = []
     for name in dict.fromkeys(map(str, table[ALTERNATIVE])):
-        runs = groups.get(name)
+        runs, called = groups.get(name), AS_IT_IS if name == BASE else name
         if runs is None:
-            rows.append((name, "diverged", *[NOTHING] * (6 + len(places))))
+            rows.append((called, "diverged", *[NOTHING] * (6 + len(places))))
             continue
         own = next((run for run in runs.to_dict("records") if all(run[key] == value for key, value in at.items())), None)
         rows.append(
             (
-                name,
+                called,
                 max(runs["collapse_class"], key=CLASSES.index),
                 f"{int((runs['collapse_class'] != CLASSES[0]).sum())} of {len(runs)}",
                 _fails_from(runs),
@@ -67,14 +71,86 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
     )
     said = title_of(others, {key: str(value) for key, value in at.items()})
     note = f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest." if others else ""
-    return [Table("Alternatives, beside the scene as it is (base)", head, rows, note)]
+    return [Table("Alternatives, beside the scene as it is", head, rows, note)]
+
+
+def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
+    """Which alternatives prevent the failure and keep debris from places that it reaches, and what the others save of the displacement,
+    in a sentence; nothing without runs to compare.  ``table`` has runs of one level of shaking."""
+    if ALTERNATIVE not in table:
+        return ""
+    known = table[table["diverged"] == 0]
+    runs = {str(name): of.to_dict("records") for name, of in known.groupby(ALTERNATIVE, sort=False)}
+    base = runs.pop(BASE, [])
+    if not base or not runs:
+        return ""
+    said, safe = list[str](), list[str]()
+    if any(map(_fails, base)):
+        outcomes = {name: _avoided(of, _fails) for name, of in runs.items()}
+        safe = [name for name, outcome in outcomes.items() if outcome is True]
+        said.append(_which(outcomes, "prevent", "the failure"))
+    kept: dict[tuple[bool | str, ...], list[str]] = {}  # places by what the alternatives do for them
+    for place in places_in(known.columns):
+
+        def reaches(run: Mapping[Any, Any], reached: str = column_of(place, REACHED)) -> bool:
+            return bool(run[reached] > 0.0)
+
+        if any(map(reaches, base)):
+            kept.setdefault(tuple(_avoided(of, reaches) for of in runs.values()), []).append(place)
+    said += [_which(dict(zip(runs, of, strict=True)), "keep", f"debris from {listed(places)}") for of, places in kept.items()]
+    worst = max(base, key=lambda run: run["displacement_magnitude"])
+    same = [each.name for each in dimensions if each.name != ALTERNATIVE]
+    pairs = [(name, run) for name, of in runs.items() if name not in safe for run in of if all(run[key] == worst[key] for key in same)]
+    savings = {name: saved(worst, run) for name, run in pairs}
+    known_savings = [_saves(name, words) for name, words in savings.items() if not words.startswith("unknown")]
+    if known_savings:
+        said.append(f"of the displacement {listed(known_savings)}")
+    said += [f"what {name} saves is {words}" for name, words in savings.items() if words.startswith("unknown")]
+    words = "; ".join(said)
+    return f"{words[0].upper()}{words[1:]}." if words else ""
+
+
+def _fails(run: Mapping[Any, Any]) -> bool:
+    return bool(run["collapse_class"] != CLASSES[0])
+
+
+def _avoided(runs: Sequence[Mapping[Any, Any]], harm: Callable[[Mapping[Any, Any]], bool]) -> bool | str:
+    """Whether no run does ``harm``; the reason why it is not known where one that has not goes on."""
+    if any(map(harm, runs)):
+        return False
+    return next((_why(run) for run in runs if _goes_on(run)), True)
+
+
+def _which(outcomes: Mapping[str, bool | str], verb: str, what: str) -> str:
+    """Which alternatives do something and which do not, by their outcomes, and of which it is not known, with the reason."""
+    able, unable = ([name for name, outcome in outcomes.items() if outcome is wanted] for wanted in (True, False))
+    parts = [f"{listed(able)} {verb}{'s' * (len(able) == 1)} {what}"] if able else []
+    if able and unable:
+        parts.append(f"{listed(unable)} {'does' if len(unable) == 1 else 'do'} not")
+    elif len(unable) == 1:
+        parts.append(f"{unable[0]} does not {verb} {what}")
+    elif unable:
+        none, last = ("neither", "nor") if len(unable) == 2 else ("none of", "and")
+        parts.append(f"{none} {listed(unable, last)} {verb}s {what}")
+    parts += [f"whether {name} {verb}s {what} is unknown, since {why}" for name, why in outcomes.items() if isinstance(why, str)]
+    return ", ".join(parts)
+
+
+def _saves(name: str, words: str) -> str:
+    """What an alternative saves of the displacement, by the ``words`` of ``saved``."""
+    return f"{name} {'has' if words.endswith(MORE) else 'saves'} {words.replace(AT_LEAST, 'at least ')}"
+
+
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Names in words: a, b and c."""
+    return f" {last} ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
     """How much less an alternative moves than the scene as it is, in m and percent; where one of them is a lower bound, what is known."""
     less = float(base["displacement_magnitude"] - own["displacement_magnitude"])
     share = 100.0 * less / float(base["displacement_magnitude"]) if base["displacement_magnitude"] > 0.0 else 0.0
-    words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + " more movement" * (less < 0.0)
+    words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + MORE * (less < 0.0)
     bounds = _goes_on(base), _goes_on(own)
     if all(bounds):
         reasons = _why(base), _why(own)
@@ -83,7 +159,7 @@ def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
         return f"at most {words}" if less >= 0.0 else f"{AT_LEAST}{words}"
     if bounds[0]:
         return f"{AT_LEAST}{words}" if less >= 0.0 else f"at most {words}"
-    return words
+    return words if abs(share) >= NOTICED else "nothing"
 
 
 def _why(run: Mapping[Any, Any]) -> str:
@@ -102,7 +178,7 @@ def _goes_on(run: Mapping[Any, Any]) -> bool:
 
 
 def _length(run: Mapping[Any, Any] | None, name: str) -> str:
-    return NOTHING if run is None else AT_LEAST * _goes_on(run) + metres(float(run[name]))
+    return NOTHING if run is None else metres(float(run[name]), _goes_on(run))
 
 
 def _reached(runs: pd.DataFrame, reached: str) -> str:

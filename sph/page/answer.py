@@ -19,11 +19,12 @@ from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.experiments.trigger.exceedance import SHARES, width_within
 from sph.experiments.variants.advice import expected_sentence
 from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, read_spacing
+from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.measures.sides import BACK
-from sph.page.alternatives import compared
-from sph.page.tables import AT_LEAST, MAX_VALUES, NOTHING, Table, filled, metres
+from sph.page.alternatives import compared, verdict
+from sph.page.tables import MAX_VALUES, Table, filled
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
@@ -96,16 +97,18 @@ def answer(
         ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         *answer_spacing(found(SPACINGS)),
-        *at_places(own, why, missing),
+        *(at_places(own, why, missing) if len(strongest(own)) < len(own) else ()),  # else the lead says it
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
+    first, *places = lead(table, rows, why, missing)
+    beside = verdict(strongest(table), dimensions)
     return Answer(
-        list(map(_raised, lead(table, rows, why, missing))),
+        [_raised(words) for words in (first, beside, *places) if words],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
         [filled(each) for each in (*compared(table, dimensions, probe), levels(own, dimensions, probe, why), *widths(own))],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
-        expected_sentence(scene, not client)
+        expected_sentence(scene, not client).split(", since" if client else "\n")[0]
         if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
         else "differs, see all runs",
     )
@@ -113,18 +116,15 @@ def answer(
 
 def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> list[str]:
     """Whether the slopes stand without shaking, and in the strongest shaking of the study how many runs fail and how far the debris goes;
-    behind that what it does at each place, and what happens in each alternative.  Where runs are ``missing`` it begins with that."""
+    behind that what it does at each place.  Where runs are ``missing`` it begins with that."""
     said, size = list[str](), len(table) + missing
     if missing:
         said.append(f"So far {len(table)} of {_runs(size)} are done, and what is said here is of these alone")
     if falls := falling(table, rows):
         said.append(f"The slope does not stand without shaking{'' if falls == size else f' in {falls} of {size} runs'}")
-    level, runs = "In this study", table
-    if AMPLITUDE in table:
-        strongest = max(table[AMPLITUDE], key=float)
-        level, runs = f"At {in_both(float(strongest))}", table[table[AMPLITUDE] == strongest]
-    others = runs
-    if (runs := as_it_is(runs)) is not others:
+    others = strongest(table)
+    level = f"At {in_both(float(others[AMPLITUDE].iloc[0]))}" if AMPLITUDE in table else "In this study"
+    if (runs := as_it_is(others)) is not others:
         level = f"As it is, {level[0].lower()}{level[1:]}"
     elif ALTERNATIVE in runs and not (runs[ALTERNATIVE] == BASE).any():  # those of the scene as it is are still to come
         level = f"With {' or '.join(map(str, runs[ALTERNATIVE].unique()))}, {level[0].lower()}{level[1:]}"
@@ -146,35 +146,19 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         if moving:
             words.append(f"soil still moves at the end of {_runs(moving)}" if len(known) > 1 else "soil still moves at the end")
     places = places_in(table.columns) if len(known) else ()
-    more = [f"{place}: {at_place(known, place, missing=missing)[0]}" for place in places]
-    more += [_instead(name, of) for name, of in _alternatives(others)]
+    more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places]
     return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
+
+
+def strongest(table: pd.DataFrame) -> pd.DataFrame:
+    """The runs in the strongest shaking; all where it is one."""
+    return table[table[AMPLITUDE] == max(table[AMPLITUDE], key=float)] if AMPLITUDE in table else table
 
 
 def as_it_is(table: pd.DataFrame) -> pd.DataFrame:
     """The runs of the scene as it is, of a study with alternatives; all where there are none of them, or no alternatives."""
     own = table[table[ALTERNATIVE] == BASE] if ALTERNATIVE in table else table
     return own if 0 < len(own) < len(table) else table
-
-
-def _alternatives(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
-    """The runs of each alternative, beside those of the scene as it is."""
-    if as_it_is(table) is table:
-        return []
-    return [(str(name), runs) for name, runs in table.groupby(ALTERNATIVE, sort=False) if name != BASE]
-
-
-def _instead(name: str, runs: pd.DataFrame) -> str:
-    """How many runs of an alternative fail, how far their debris goes and which places it reaches."""
-    known = runs[runs["diverged"] == 0]
-    if known.empty:
-        return f"{name}: diverged"
-    fail = int((known["collapse_class"] != STABLE).sum())
-    words = [f"{name}: {fail} of {_runs(len(known))} {'fails' if len(known) == 1 else 'fail'}" if fail else f"{name}: no run fails"]
-    if (farthest := known["runout"].max()) > 0.0:
-        words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond its toe")
-    there = [place for place in places_in(known.columns) if (known[column_of(place, REACHED)] > 0.0).any()]
-    return ", ".join(words + [f"reaches {' and '.join(there)}"] * bool(there))
 
 
 def _bound(known: pd.DataFrame) -> str:
@@ -391,7 +375,8 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
         first = (of[ARRIVAL] - table["shaking_start"]).min()
         begins = f", first {first:.3g} s after the shaking begins" * (not math.isnan(first))
         words.append(f"reached in {there.sum()} of {_runs(known.sum())}{begins}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
-        words.append(f"{of[PEAK_SPEED][there].max():.2g} m/s and {1e-3 * of[PRESSURE][there].max():.2g} kPa at most")
+        speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
+        words.append(f"{speed} m/s and {pressure} kPa at most")
     elif still.any() or not (known.any() or missing):
         words.append(f"not reached in {_runs(still.sum())}")
     words += [f"not yet in {_runs(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
@@ -437,9 +422,8 @@ def widths(table: pd.DataFrame) -> list[Table]:
     rows = []
     for value, runs in _groups(table):
         runouts = runs["runout"].to_numpy(float)
-        bounded = AT_LEAST if lower_bounds(runs).any() else ""
-        spans = [metres(width_within(runouts, share)) for share in SHARES]
-        rows.append((beside_g(value), str(len(runs)), *(bounded + span for span in spans)))
+        bounded = bool(lower_bounds(runs).any())
+        rows.append((beside_g(value), str(len(runs)), *(metres(width_within(runouts, share), bounded) for share in SHARES)))
     head = ("shaking (m/s²)", "runs", *(f"{share:.0%} (m)" for share in SHARES))
     errors = table["expected_runout_error"].dropna()
     error = f"the spacing adds an error of up to {errors.max():.0%}" if len(errors) else "the error due to the spacing is unknown"
@@ -486,7 +470,7 @@ def _compared(table: pd.DataFrame) -> list[str]:
     energy, field = (_lengths(table[name], lower_bounds(table) & False) for name in ("energy_line_runout", "corominas_runout"))
     if field == NOTHING:
         return []
-    point = f"{energy} m by the energy line (residual friction alone)" if energy != NOTHING else ""
+    point = f"{energy} m by the energy line (residual friction, less by water pressure)" if energy != NOTHING else ""
     return [f"To compare with run-outs: {', '.join(filter(None, (point, f'{field} m by Corominas (debris slides)')))}."]
 
 
@@ -497,7 +481,7 @@ def _lengths(values: pd.Series, bounds: pd.Series) -> str:
         return NOTHING
     low, high = values.min(), values.max()
     ends = ((low, bounds[values.index][values == low].all()), (high, bounds.any()))
-    return " to ".join(dict.fromkeys(AT_LEAST * bool(bound) + metres(end) for end, bound in ends))
+    return " to ".join(dict.fromkeys(metres(end, bool(bound)) for end, bound in ends))
 
 
 def _span(low: float, high: float, words: Callable[[float], str]) -> str:

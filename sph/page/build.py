@@ -23,7 +23,7 @@ from PIL import Image
 from sph.checks.equilibrium import found_equilibrium
 from sph.figures import caption as caption_of
 from sph.figures.before_after import NARROW, figure_before_after
-from sph.figures.style import DPI, WIDTH
+from sph.figures.style import DPI, NOTHING, WIDTH
 from sph.measures.metrics import CLASSES
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
@@ -31,7 +31,7 @@ from sph.page.answer import answer, as_it_is
 from sph.page.explorer import explorer
 from sph.page.matrix import TO_COME, Matrix, matrix
 from sph.page.sections import DOCS, Drawing, Section, of
-from sph.page.tables import MAX_VALUES, NOTHING, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
+from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
 from sph.scene.units import beside_g
 from sph.storage.files import whole
@@ -142,6 +142,8 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
 
     Raises ValueError for a file that cannot be read and for a table whose rows are not the runs of the study.
     """
+    if study.client:
+        study = study._replace(dimensions=[each._replace(plainly=True) for each in study.dimensions])
     whole_table, axes = read_table(study.table, study.layout), [found.name for found in study.dimensions]
     points = [dict(zip(axes, values, strict=True)) for values in whole_table[axes].itertuples(index=False, name=None)]
     whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [point_name(point) for point in points])
@@ -211,6 +213,8 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         "table": base64.b64encode(zlib.compress(table.to_csv(index=False, na_rep="NaN", lineterminator="\n").encode(), 9)).decode(),
     }
     data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST, study.places)
+    if study.client:
+        data["shares"] = {name: label.removesuffix(" r_u") for name, label in data["shares"].items() if name != "beta"}
     for point, run in zip(facts.values(), data.pop("runs"), strict=False):
         point["run"] = run
     before, _, after = page.rpartition(DATA)

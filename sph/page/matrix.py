@@ -11,9 +11,8 @@ from matplotlib.colors import to_hex, to_rgb
 
 from sph.checks.after_run import is_lower_bound
 from sph.figures.study import arranged
-from sph.figures.style import class_colours
+from sph.figures.style import class_colours, metres
 from sph.measures.metrics import CLASSES
-from sph.page.tables import AT_LEAST, metres
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
 
@@ -91,9 +90,9 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
         return Cell(name, "×", DIVERGED, "diverged: no results", name in shown)
     if row["status"] == Status.FAILED_UNSHAKEN:
         kind = UNSHAKEN
-    least = AT_LEAST * is_lower_bound(row)
-    said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {least}{metres(row['runout'])} m"  # a block has none
-    return Cell(name, least + metres(row["displacement_magnitude"]), kind, said, name in shown)
+    bounded = is_lower_bound(row)
+    said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {metres(row['runout'], bounded)} m"  # a block has none
+    return Cell(name, metres(row["displacement_magnitude"], bounded), kind, said, name in shown)
 
 
 def _colours() -> dict[str, tuple[str, str]]:

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 
 from sph.checks.after_run import is_braked, is_lower_bound, is_open
 from sph.experiments.variants.advice import percent
+from sph.figures.style import NOTHING, metres
 from sph.scene.layers import BelowRegion, DepthRegion, PolygonRegion, Region
 from sph.scene.schema import Scene
 from sph.scene.soil import LIQUEFIES, Soil
@@ -44,10 +45,6 @@ MAX_NUMBERS = 12
 """Most numbers that the page shows of a list of them: those of a line or a record are counted."""
 MAX_VALUES = 12
 """Most values of a dimension that the page shows one by one."""
-NOTHING = "–"
-"""Stands for NaN."""
-AT_LEAST = "≥ "
-"""Before a lower bound."""
 
 
 class Code(str):
@@ -117,17 +114,6 @@ def short(cell: str) -> str:
         return cell
 
 
-def metres(value: float) -> str:
-    """A length in m, to three digits or a millimetre, a few millimetres to a tenth of one, none as 0; that of a block which never stops
-    has no end."""
-    if value == 0.0:
-        return "0"
-    if value == math.inf:
-        return "unlimited"
-    digits = 4 if 0 < abs(value) < 0.01 else 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
-    return NOTHING if math.isnan(value) else f"{value:.{digits}f}"
-
-
 def _share(value: float) -> str:
     return NOTHING if math.isnan(value) else percent(value)
 
@@ -142,7 +128,7 @@ def _status(row: Mapping[Any, Any]) -> str:
 
 def _at_least(row: Mapping[Any, Any], name: str) -> str:
     """A length of a run, as a lower bound where its debris met the box or was braked; one that is not known has no bound."""
-    return AT_LEAST * (is_lower_bound(row) and not math.isnan(row[name])) + metres(row[name])
+    return metres(row[name], is_lower_bound(row))
 
 
 class Column(NamedTuple):
@@ -244,7 +230,14 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
             )
         )
     units = [f"{readable(name)} ({shown_unit(unit)})" if shown_unit(unit) else readable(name) for name, unit in fields.items()]
-    head = ("layer", "where", *units, "V_s (m/s)", named("S_R").label, named("gamma").label)
+    head = (
+        "layer",
+        "where",
+        *units,
+        "shear wave speed (m/s)",
+        named("S_R").phrase,
+        f"{named('gamma').phrase} ({named('gamma').shown_unit})",
+    )
     return Table("Layers; where two overlap, the later one counts", head, rows)
 
 

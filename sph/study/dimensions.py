@@ -48,6 +48,8 @@ AXES = tuple(each.axis for each in SHORT_NAMES.values())
 """The same in a study's tables."""
 ALTERNATIVE, BASE = "alternative", "base"
 """Dimension of a study with alternatives, and its value for the scene as it is."""
+AS_IT_IS = "as it is"
+"""That value as it is read."""
 RECORD = "motion.file"
 """Dimension of the record, whose values have names."""
 CASE = "case"
@@ -91,6 +93,7 @@ class Dimension(NamedTuple):
     text: str  # its meaning
     words: bool  # some value is no number
     names: tuple[tuple[str, str], ...] = ()  # values that are called otherwise than they are written, as a record's file
+    plainly: bool = False  # called in words where its name has a symbol
 
     def shown(self, value: str) -> str:
         """A value as it is read: an acceleration in g as well, a record by its name."""
@@ -99,12 +102,14 @@ class Dimension(NamedTuple):
     @property
     def symbol(self) -> str:
         """Name for figures and pages."""
+        if self.plainly:
+            return functools.reduce(lambda words, each: words.replace(*each), PLAIN.items(), readable(self.name))
         return readable(self.name)
 
     @property
     def phrase(self) -> str:
         """The same in a sentence."""
-        return SHORT_NAMES[self.name].phrase if self.name in SHORT_NAMES else self.symbol
+        return SHORT_NAMES[self.name].phrase if self.name in SHORT_NAMES and not self.plainly else self.symbol
 
     @property
     def label(self) -> str:
@@ -118,6 +123,8 @@ class Dimension(NamedTuple):
 
     def said(self, value: str) -> str:
         """Symbol, value and unit; an acceleration in g as well."""
+        if self.name == ALTERNATIVE:
+            return self.shown(value)
         if value in dict(self.names):
             return f"{self.symbol} {self.shown(value)}"
         number, *of_gravity = beside_g(value, self.unit).split(" ", 1)
@@ -155,6 +162,8 @@ WORDS = {
     "softening.slip_at_residual": "slip at the residual strength",
 }
 """Parts of keys, and ends of two parts, that are not read as they are written."""
+PLAIN = {"S_R": "residual strength ratio", "γ": "rate of the loss of strength", "amplitude": "amplitude of shaking"}
+"""Symbols in words, for readers who do not know them."""
 UNNAMED = ("soil", "coupling", "numerics", "geometry", "region", "uncertain", "variables")
 """Sections that the name of a key does without."""
 
@@ -302,7 +311,7 @@ def named(name: str) -> Dimension:
 def dimension(name: str, labels: Iterable[str], scene: Scene) -> Dimension:
     """A dimension with the unit and the meaning that the scene's key is declared with, from a scene in which it is set."""
     if name == ALTERNATIVE:
-        return Dimension(name, "-", "variant of the scene, by its name in the study", words=True)
+        return Dimension(name, "-", "variant of the scene, by its name in the study", True, ((BASE, AS_IT_IS),))
     at: Any = scene
     unit, text = "-", ""
     for part in scene_key(name).split("."):

@@ -37,7 +37,7 @@ from sph.figures.before_after import figure_before_after
 from sph.figures.profile import field_norm, layer_colours
 from sph.figures.scene import figure_scene
 from sph.figures.study import BOUNDED
-from sph.figures.style import LINE_STYLES, curve_colours, note_text, write_note
+from sph.figures.style import LINE_STYLES, curve_colours, metres, note_text, write_note
 from sph.measures.fields import FIELDS
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.output.run import Run
@@ -134,7 +134,18 @@ def test_arrangement_shows_the_first_frame(slid: Run) -> None:
 
 def test_geometry_carries_dimensions_material_and_walls(slid: Run) -> None:
     shown = texts(figure_geometry(slid))
-    for text in ("55.0 m", "14.4 m", "34.0 m", "H = 25 m", "10 m", "60°", "1964", "c = 150 kPa, φ = 20°", "fixed side wall", "A (crest)"):
+    for text in (
+        "55.0 m",
+        "14.4 m",
+        "34.0 m",
+        "H = 25 m",
+        "10 m",
+        "60°",
+        "1964",
+        "cohesion 150 kPa, friction angle 20°; once failed 37.5 kPa, 5°",
+        "fixed side wall",
+        "A (crest)",
+    ):
         assert text in shown
     slip = synthetic(overrides={"walls": {"sides": "free_slip", "layers": 4}})
     assert "free-slip side wall" in texts(figure_geometry(slip))
@@ -308,7 +319,7 @@ def test_a_map_holds_every_run_in_a_cell_of_its_own() -> None:
     cells = [cell for ax in figure.axes for cell in ax.patches]
     assert len(cells) == len(table) == len({(cell.axes, cell.get_xy()) for cell in cells})
     numbers = [text.get_text() for ax in figure.axes for text in ax.texts]
-    assert sorted(numbers) == sorted(f"{value:.3g}" for value in table["displacement_magnitude"].dropna())
+    assert sorted(numbers) == sorted(map(metres, table["displacement_magnitude"].dropna()))
     assert sum(line.get_marker() == "x" for ax in figure.axes for line in ax.lines) == 1
     assert [ax.get_title(loc="left") for ax in figure.axes] == ["kernel wendland_c2", "kernel cubic_spline"]
     assert (figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()) == ("amplitude (m/s²)", "cohesion of soft clay (kPa)")
@@ -404,7 +415,8 @@ def test_the_section_shows_every_layer_where_its_particles_are(scene: dict[str, 
     assert [line.partition(":")[0] for line in legend] == [
         "soil", "fill", "soft clay", "lens", "critical surface, Bishop", "critical surface, Spencer"
     ]  # fmt: skip
-    assert "c = 7 kPa" in legend[1] and "c = 18 kPa" in legend[2] and "$S_R$ = 0.4" in legend[2] and "φ = 31°" in legend[3]
+    assert "cohesion 7 kPa" in legend[1] and "cohesion 18 kPa" in legend[2] and "friction angle 31°" in legend[3]
+    assert "once failed 7.2 kPa" in legend[2], "0.4 of 18 kPa"
 
 
 @pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
@@ -465,14 +477,8 @@ def test_titles_and_legends_name_what_each_layer_keeps() -> None:
     run = synthetic(translation(-3.0), overrides=overrides)
     own, clay, *surfaces = (text.get_text() for text in figure_geometry(run).legends[0].get_texts())
     assert [words.partition(": F")[0] for words in surfaces] == [f"critical surface, {name}" for name in ("Bishop", "Spencer")]
-    assert (
-        own.startswith("weathered tuff: ")
-        and "E = 84 MPa" in own
-        and own.endswith("s⁻¹")
-        and "failed: $S_R$ = 0.4, γ" in own
-        and "failed: $c_r$ = 60 kPa, $φ_r$ = 5°, γ" in clay
-        and "S_R" not in clay
-    )
+    assert own.startswith("weathered tuff: ") and "Young's modulus 84 MPa" in own and own.endswith("once failed 60 kPa, 8°")
+    assert clay.endswith("once failed 60 kPa, 5°")
     bar = figure_displaced({"one": run}, field="layer").axes[-1]
     assert [label.get_text() for label in bar.get_yticklabels()] == ["weathered tuff", "clay"]
     assert "$S_R$ = 0.4; $c_r$ = 60 kPa, $φ_r$ = 5° in clay, γ = 100 s⁻¹" in axes(plot_trajectory(run)).get_title(loc="left")
@@ -517,6 +523,17 @@ def test_a_seam_is_drawn_where_it_is_in_the_soil_with_its_name() -> None:
     np.testing.assert_allclose(line.get_ydata()[shown], 2.0 + 0.5 * line.get_xdata()[shown])
     assert line.get_xdata()[shown].max() == pytest.approx(6.0, abs=0.1), "the ground lies at 5 m"
     assert "weak clay" in {text.get_text() for text in axes(figure).texts}
+
+
+def test_soil_that_has_failed_but_hardly_moved_is_drawn_apart() -> None:
+    """Rock that reaches its strength in the shaking is no slide."""
+    slid = synthetic(translation(-3.0))
+    everywhere = synthetic(translation(-3.0), failed=np.ones_like(slid["failed"]))
+    first, second = circles(figure_before_after(everywhere, "one"))[:2]
+    moved = np.hypot(*slid.displacement())[slid.soil] > 0.5
+    assert [first.get_offsets().shape[0], second.get_offsets().shape[0]] == [moved.sum(), (~moved).sum()]
+    words = [text.get_text() for text in figure_before_after(everywhere, "one").legends[0].get_texts()]
+    assert "SPH: failed, and moved by more than 0.5 m" in words and "SPH: has reached its strength, but moved less" in words
 
 
 def test_curves_survive_print() -> None:

@@ -187,11 +187,12 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert said(bare.assign(reached_side="", still_moving=1), []) == fails + moving
     assert said(runs, []).endswith(
         ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. "
-        "house: not reached in 4 runs."
+        "house: not reached in 4 runs; the debris stops at least 10.0 m short of it."
     )
     assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
-        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. road: not reached in 2 runs. "
-        "house: not reached in 2 runs. drained: 2 of 2 runs fail, debris runs at least 20.0 m beyond its toe, reaches road."
+        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. "
+        "road: not reached in 2 runs; the debris stops at least 2.00 m short of it. "
+        "house: not reached in 2 runs; the debris stops at least 20.0 m short of it."
     ), "an alternative is no run of the slope as it is"
     assert said(bare.assign(alternative="drained"), []).startswith("With drained, at 4 m/s2 (0.408 g) 3 of 4 runs fail"), "so far"
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."

@@ -26,6 +26,7 @@ from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
 from sph.figures.before_after import figure_before_after
+from sph.figures.style import metres
 from sph.measures.fields import FIELDS as PARTICLE_FIELDS
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.output.run import Run
@@ -34,7 +35,7 @@ from sph.page.answer import FINDINGS, claims, going, levels, limit, searched, un
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST, explorer
 from sph.page.sections import DOCS, existing
-from sph.page.tables import chosen_keys, csv_table, layer_table, metres, scene_table, short
+from sph.page.tables import chosen_keys, csv_table, layer_table, scene_table, short
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import load_scene
 from sph.scene.units import in_both
@@ -494,16 +495,11 @@ def test_a_long_table_says_that_it_is_cut(tmp_path: Path) -> None:
     assert len(table.rows) == 500 and table.note == "The first 500 of 501 rows."
 
 
-def test_millimetres_keep_their_digits() -> None:
-    """8 mm is neither nothing nor a centimetre; a block that never stops has no end."""
-    assert [metres(value) for value in (0.0, 0.0084, 0.033, 0.211, 24.0, np.inf)] == [
-        "0",
-        "0.0084",
-        "0.033",
-        "0.211",
-        "24.0",
-        "unlimited",
-    ]
+def test_a_length_below_a_centimetre_is_told_as_that() -> None:
+    """8 mm is neither nothing nor a centimetre, and at least 8 mm is at least nothing; a block that never stops has no end."""
+    shown = [metres(value) for value in (0.0, 0.0084, 0.033, 0.211, 24.0, np.inf, np.nan)]
+    assert shown == ["0", "< 0.01", "0.033", "0.211", "24.0", "unlimited", "–"]
+    assert [metres(value, True) for value in (0.0084, 0.033, np.nan)] == ["≥ 0", "≥ 0.033", "–"]
 
 
 def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: StudyFiles) -> None:

@@ -12,7 +12,7 @@ import yaml
 from small_scenes import SLOPE
 
 from sph.experiments.registry import EXPERIMENTS, load_study
-from sph.page.alternatives import compared
+from sph.page.alternatives import compared, verdict
 from sph.scene.schema import make_scene
 from sph.study.dimensions import Dimension
 from sph.study.plan import Plan
@@ -120,7 +120,7 @@ DIMENSIONS = [Dimension("amplitude", "m/s2", "", False), Dimension("alternative"
 def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     (found,) = compared(table_of(), DIMENSIONS, "A")
     assert [row[:4] for row in found.rows] == [
-        ("base", "collapse", "2 of 2", "2 m/s2 (0.204 g)"),
+        ("as it is", "collapse", "2 of 2", "2 m/s2 (0.204 g)"),
         ("drained", "minor", "1 of 2", "4 m/s2 (0.408 g)"),
         ("buttress", "stable", "0 of 2", "not up to 4 m/s2 (0.408 g)"),
     ]
@@ -152,6 +152,32 @@ def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
     assert found.rows[1][7] == "2.00 m (20 %) more movement"
     (found,) = compared(table_of(diverged=[0, 0, 1, 1, 0, 1]), DIMENSIONS, "A")
     assert found.rows[1][1] == "diverged" and found.rows[2][5:8] == ("–", "–", "–")
+
+
+def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
+    def said(**columns: list[Any]) -> str:
+        return verdict(table_of(**columns)[1::2], DIMENSIONS)
+
+    keeps = "drained and buttress keep debris from house; of the displacement drained saves 6.00 m (60 %)."
+    assert said() == f"Buttress prevents the failure, drained does not; {keeps}"
+    fails: dict[str, list[Any]] = {"collapse_class": ["collapse"] * 6, "house_reached": [1.0] * 6}
+    neither = "Neither drained nor buttress prevents the failure; neither drained nor buttress keeps debris from house; "
+    moved = {"displacement_magnitude": [0.0, 10.0, 0.0, 3.6, 0.0, 10.0]}
+    assert said(**fails, **moved) == f"{neither}of the displacement drained saves 6.40 m (64 %) and buttress saves nothing."
+    moved = {"displacement_magnitude": [0.0, 10.0, 0.0, 3.6, 0.0, 12.0]}
+    assert said(**fails, **moved).endswith(" and buttress has 2.00 m (20 %) more movement.")
+    braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
+    one = said(findings=[""] * 5 + ["layer-held"])
+    assert one.startswith(
+        f"Drained does not prevent the failure, whether buttress prevents the failure is unknown, since {braked}; drained keeps"
+    )
+    assert said(findings=["layer-held"] * 6, **fails).endswith(
+        f"; what drained saves is unknown: in both {braked}; what buttress saves is unknown: in both {braked}."
+    )
+    assert said(collapse_class=["stable"] * 6, house_reached=[0.0] * 6).startswith("Of the displacement drained saves"), (
+        "nothing to prevent"
+    )
+    assert verdict(table_of().drop(columns="alternative"), DIMENSIONS[:1]) == "" == said(diverged=[1, 1, 0, 0, 0, 0])
 
 
 def test_a_trigger_search_may_be_made_for_alternatives(study: dict[str, Any]) -> None:
