@@ -16,6 +16,7 @@ from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AS_IT_IS, BASE, Dimension, title_of
 
 AMPLITUDE = "amplitude"
+"""The dimension of the shaking."""
 MORE = " more movement"
 NOTICED = 0.5
 """Percent of the displacement below which nothing is saved."""

@@ -15,7 +15,7 @@ from sph.experiments.variants.design import load_spacing
 from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, UNKNOWN, compared, read_spacing, spacing_columns
 from sph.jobs.catalogue import Catalogue
 from sph.measures.metrics import UNDETERMINED
-from sph.page.answer import answer_spacing, drifts
+from sph.page.facts import answer_spacing, drifts
 from sph.study.plan import Plan
 from sph.study.tables import write_csv
 

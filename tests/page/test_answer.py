@@ -11,7 +11,9 @@ import pytest
 
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import at_places, at_residual, held_back, lead, levels, widths, yearly
+from sph.page.answer import held_back, lead
+from sph.page.facts import at_places, at_residual, yearly
+from sph.page.levels import levels, widths
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
 from sph.study.tables import write_csv

@@ -31,9 +31,11 @@ from sph.measures.fields import FIELDS as PARTICLE_FIELDS
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.output.run import Run
 from sph.page import build
-from sph.page.answer import FINDINGS, claims, going, levels, limit, searched, unshaken
+from sph.page.answer import FINDINGS
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST, explorer
+from sph.page.facts import claims, going, limit, searched, unshaken
+from sph.page.levels import levels
 from sph.page.sections import DOCS, existing
 from sph.page.tables import chosen_keys, csv_table, layer_table, scene_table, short
 from sph.scene.gravity import GRAVITY
