@@ -64,8 +64,7 @@ def figure_before_after(
     across = (width - 1.6) / (2 if steep else 1)
     left, right, lower, upper = limits = with_room((left, right, lower, upper), scene, places or {}, across)
     panel = across * (upper - lower) / (right - left)
-    lines = len(scene.soils) + 2 + (0 if equilibrium is None else 2)
-    height = (1 if steep else 2) * (max(panel, 0.6) + OUTSIDE) + LEGEND_LINE * lines + 0.5
+    height = (1 if steep else 2) * (max(panel, 0.6) + OUTSIDE) + 0.5
     figure = Figure(figsize=(width, height), layout="compressed")
     before, after = figure.subplots(*((1, 2) if steep else (2, 1)), sharex=True, sharey=True)
     draw_layers(before, scene)
@@ -73,6 +72,7 @@ def figure_before_after(
     draw_seams(before, scene)
     draw_water(before, scene, named=True)
     shown = [*draw_failed(before, run), *draw_surfaces(before, equilibrium)]
+    figure.set_figheight(height + LEGEND_LINE * (len(scene.soils) + len(shown)))
     norm = field_norm({title: run}, "displacement", -1)
     circles = draw_profile(after, run, -1, "displacement", norm)
     for ax, frame in ((before, run.gravity_frame), (after, -1)):
