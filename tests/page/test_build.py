@@ -467,7 +467,9 @@ def test_the_scene_is_told_by_names_values_and_units() -> None:
     layers = layer_table(scene, varied)
     clay = dict(zip(layers.head, layers.rows[1], strict=True))
     assert clay["layer"] == "clay" and clay["where"] == "from 6 m below the ground to 10 m" and clay["cohesion (kPa)"] == "3, 10"
-    assert clay["density (kg/m³)"] == "1850" and clay["strength ratio S_R"] == "0.25" and clay["rate of the loss of strength γ (s⁻¹)"] == "0"
+    assert (
+        clay["density (kg/m³)"] == "1850" and clay["strength ratio S_R"] == "0.25" and clay["rate of the loss of strength γ (s⁻¹)"] == "0"
+    )
 
 
 def test_the_page_counts_as_the_survey_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
