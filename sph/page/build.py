@@ -142,8 +142,6 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
 
     Raises ValueError for a file that cannot be read and for a table whose rows are not the runs of the study.
     """
-    if study.client:
-        study = study._replace(dimensions=[each._replace(plainly=True) for each in study.dimensions])
     whole_table, axes = read_table(study.table, study.layout), [found.name for found in study.dimensions]
     points = [dict(zip(axes, values, strict=True)) for values in whole_table[axes].itertuples(index=False, name=None)]
     whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [point_name(point) for point in points])
@@ -175,7 +173,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         scene=scene,
         scene_table=None if study.client else keys,
         today=datetime.date.today().isoformat() if study.client else "",
-        key_table=chosen_keys(keys),
+        key_table=chosen_keys(keys, paths=not study.client),
         layer_table=layer_table(scene, varied),
         answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client, len(study.missing)),
         overview=None if first is None else overview(study, first, titles[list(table.index).index(first)], cells),

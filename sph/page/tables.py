@@ -187,13 +187,13 @@ def scene_table(section: BaseModel, varied: Mapping[str, str]) -> Table:
     return Table("Every key of the scene, as a scene file names it", ("key", "value", "unit", "meaning"), rows)
 
 
-def chosen_keys(table: Table) -> Table:
-    """The rows of the table of a scene that describe the problem, ``KEYS``, by names that are read."""
+def chosen_keys(table: Table, paths: bool = True) -> Table:
+    """The rows of the table of a scene that describe the problem, ``KEYS``, by names that are read, with the ``paths`` of files or not."""
     rows = []
     for key, value, unit, text in table.rows:
         if key == SOFTENING and value == "none":
             rows.append(("onset of failure", "at once", "", text))
-        elif key.startswith(KEYS) and value != "none":
+        elif key.startswith(KEYS) and value != "none" and (paths or not key.endswith("geometry.file")):
             rows.append((readable(key), wall_words(value) if key.startswith("walls.") else value, shown_unit(unit), text))
     return Table("What is simulated", ("what", "value", "unit", "meaning"), rows)
 

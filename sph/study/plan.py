@@ -163,7 +163,8 @@ class Plan:
         """The dimensions with units and meanings."""
         scene = self.built(**next(iter(self.study.runs.values())))
         dimensions = [dimension(name, values, scene) for name, values in self.study.values.items()]
-        return [each._replace(names=self._records()) if each.name == RECORD else each for each in dimensions]
+        dimensions = [each._replace(names=self._records()) if each.name == RECORD else each for each in dimensions]
+        return [each._replace(plainly=True) for each in dimensions] if self.study.page == "client" else dimensions
 
     def _records(self) -> tuple[tuple[str, str], ...]:
         """The records of the study, as written, with what they are called where each has a name."""

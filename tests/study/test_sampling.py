@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import make_scene
-from sph.study.dimensions import Dimension, check_names, dimension, in_order, readable, scene_keys, title_of, value_of
+from sph.study.dimensions import Dimension, check_names, dimension, in_order, named, readable, scene_keys, title_of, value_of
 from sph.study.sampling import Sample, chosen_study, read_cases
 
 RANGES = {"soil.cohesion": {"bounds": [5.0, 50.0], "scale": "log"}, "S_R": [0.1, 0.5]}
@@ -43,6 +43,13 @@ def test_values_are_numbers_words_or_nothing() -> None:
     assert [value_of(label) for label in ("0.10", "-5", "1e-3", "+2.5E+06", "null", "cubic_spline", "nan", "1_000")] == [
         0.1, -5.0, 1e-3, 2.5e6, None, "cubic_spline", "nan", "1_000"
     ]  # fmt: skip
+
+
+def test_a_reader_who_does_not_know_symbols_reads_words() -> None:
+    plainly = named("S_R")._replace(plainly=True)
+    assert plainly.said("0.1") == "residual strength ratio 0.1" and plainly.phrase == "residual strength ratio"
+    of_clay = Dimension("layers.clay.S_R", "-", "", False, plainly=True)
+    assert of_clay.symbol == "residual strength ratio of clay" and of_clay._replace(plainly=False).symbol == "S_R of clay"
 
 
 def test_a_dimension_has_the_unit_and_meaning_of_its_key() -> None:
