@@ -572,8 +572,8 @@ MESSAGES: dict[str, Message] = {
     "back-wall": Message("the side of the model behind the crest is near", "{value:.3g} m", "at least H = {bound:.3g} m"),
     "little-room": Message(
         "little room for the run-out between the toe and the side of the model",
-        "{value:.3g} m",
-        "at least {bound:.3g} m, {heights:.2g} H, for the residual strength of the soil",
+        "{value:.4g} m",
+        "at least {bound:.4g} m, {heights:.2g} H, for the residual strength of the soil",
     ),
     "debris-at-wall": Message(
         _reached,

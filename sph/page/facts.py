@@ -185,7 +185,7 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
             found.append(f"Not converged: {what} in {len(of)} of {count} runs, most at {worst['run']}: {said}{towards}.")
         for place in places_in(rows["quantity"].unique()):
             past = rows[rows["quantity"] == column_of(place, PASSED)]
-            known = [(run, values) for run, *values in past[["run", "value", "second_value", "extrapolated"]].itertuples(index=False)]
+            known = [(run, values) for run, *values in past[["run", "value", "second_value"]].itertuples(index=False)]
             open_runs = [run for run, values in known if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1]
             if open_runs:
                 found.append(
