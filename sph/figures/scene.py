@@ -62,12 +62,7 @@ def figure_scene(
     top = height + max(0.12 * height, NAMES * (width + 2 * reach) / (WIDTH - 0.7))
     varying = [quantity for quantity in QUANTITIES if varying_layers(scene, quantity)]
     panel = max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8)
-    high = (
-        panel
-        + 1.0
-        + LEGEND_LINE * (len(scene.soils) + (0 if equilibrium is None else 2) + 2 * (run is not None))
-        + (panel + BAR) * len(varying)
-    )
+    high = panel + 1.0 + (panel + BAR) * len(varying)
     figure = Figure(figsize=(WIDTH, high), layout="constrained")
     ax, *maps = figure.subplots(1 + len(varying), squeeze=False).ravel()
     draw_box(ax, scene)
@@ -78,6 +73,7 @@ def figure_scene(
     draw_water(ax, scene)
     failed = [] if run is None else draw_failed(ax, run)
     surfaces = [*failed, *draw_surfaces(ax, equilibrium)]
+    figure.set_figheight(high + LEGEND_LINE * (len(scene.soils) + len(surfaces)))
     at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()}
     mark_places(ax, scene, at, before_the_toe=bool(places))
     draw_places(ax, scene, places or {})
