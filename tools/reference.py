@@ -464,12 +464,10 @@ def trust_text() -> str:
         rows = {round(height / one["spacing"]): one["variant"] for one in fidelities.to_dict("records")}
         errors = {variant.variant: _errors(variant) for variant in summary(fidelities)}
         near, far = (errors[rows[number]] for number in (25, ROWS))
-        # Before the law of interfaces, which scenes of one's own have by default since, the measured scheme did not name it.
-        before = "" if fidelities["scheme"].str.contains('"interfaces"').all() else ", with `numerics.interfaces: both`"
         lines.insert(
             1,
             "* **Resolution:** the error is known for [one slope](docs/evidence/cost-accuracy.md#ones-own-slopes), 60° steep, "
-            f"{height:g} m high and above rock{before}. With 25 rows of particles over its height, the displacement of the crest is within "
+            f"{height:g} m high and above rock. With 25 rows of particles over its height, the displacement of the crest is within "
             f"{near[0]} of the finest runs, the run-out within {near[1]}. With {ROWS} rows, as `sph new` writes, the errors are {far[0]} "
             f"and {far[1]}. For a slope unlike that one (`sph info` says so) no error is known: run it at two spacings.",
         )
