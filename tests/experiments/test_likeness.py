@@ -17,8 +17,8 @@ SCENES = Path(__file__).resolve().parents[2] / "config" / "scenes"
 
 
 def measured(**changes: Any) -> Scene:
-    """The measured slope, computed as its shipped table was; ``rock=None`` takes the rock away."""
-    scene = merge(read_scene(SCENES / "slope_on_rock.yaml"), {"numerics": {"interfaces": "both"}})
+    """The measured slope; ``rock=None`` takes the rock away."""
+    scene = read_scene(SCENES / "slope_on_rock.yaml")
     if "rock" in changes:
         del scene["layers"]
     return make_scene(merge(scene, dotted({name.replace("__", "."): value for name, value in changes.items() if name != "rock"})))
