@@ -105,7 +105,8 @@ def measured_claims(study: Path) -> pd.DataFrame:
         if not searched:
             raise ValueError(f"{study}: no trigger/claim.csv; run 'snakemake --cores 2 trigger'")
         decided = pd.read_csv(searched[0], keep_default_na=False).iloc[0]
-        told = f"{decided['measured']}, searched at fidelity `{searched[0].parents[1].name}`"
+        rounds = next(study.glob("*/trigger/rounds"))  # of the fidelity that the search names, whatever the study's
+        told = f"{decided['measured']}, searched at fidelity `{rounds.parents[1].name}`"
         claims.loc[open_claims, ["test", "measured", "verdict"]] = [decided["test"], told, decided["verdict"]]
     return claims[list(COLUMNS)].assign(origin=sph.__version__)
 

@@ -86,10 +86,10 @@ def test_claims_are_those_of_the_study_and_of_the_search(tmp_path: Path) -> None
     write_csv(pd.DataFrame(rows, columns=["claim", "statement", "test", "measured", "verdict"]), tmp_path / "paper" / "claims.csv")
     with pytest.raises(ValueError, match="run 'snakemake --cores 2 trigger'"):
         measured_claims(tmp_path)
-    (tmp_path / "draft" / "trigger").mkdir(parents=True)
+    (tmp_path / "draft" / "trigger" / "rounds").mkdir(parents=True)
     decided = pd.DataFrame([(11, "the box", "s", "a search", "1.9 m/s²", HOLDS), (11, "slip", "s", "a search", "2.6 m/s²", "fails")])
     decided.columns = pd.Index(["claim", "case", "statement", "test", "measured", "verdict"])
-    write_csv(decided, tmp_path / "draft" / "trigger" / "claim.csv")
+    write_csv(decided, tmp_path / "paper" / "trigger" / "claim.csv")
     found = measured_claims(tmp_path)
     assert list(found.columns) == [row.name for row in release.CLAIMS] and set(found["verdict"]) == {HOLDS}
     assert found["measured"].tolist() == [*(f"number {n}" for n in range(1, 11)), "1.9 m/s², searched at fidelity `draft`", "number 12"]
