@@ -19,7 +19,6 @@ from sph.storage import trajectory
 pytestmark = pytest.mark.long
 
 SDIST = "import sys; from setuptools.build_meta import build_sdist; print(build_sdist(sys.argv[1]))"
-PACKAGE = ("sph", "README.md", "LICENSE", "pyproject.toml")
 GROUND = "x (m),z (m)\n0,20\n25,20\n35,26\n40,26\n50,32\n75,32\n"
 """A benched slope 12 m high."""
 
@@ -34,12 +33,15 @@ def called(folder: Path, *command: object) -> str:
     return result.stdout
 
 
+def tracked() -> list[str]:
+    return subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True).stdout.split("\0")[:-1]
+
+
 @pytest.fixture(scope="module")
 def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Made from what git tracks, so that no leftover of this folder enters it."""
     folder = tmp_path_factory.mktemp("sdist")
-    tracked = subprocess.run(["git", "ls-files", "-z", *PACKAGE], cwd=ROOT, capture_output=True, check=True).stdout.decode().split("\0")
-    for name in filter(None, tracked):
+    for name in tracked():
         (folder / "source" / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / "source" / name).write_bytes((ROOT / name).read_bytes())
     return folder / called(folder / "source", sys.executable, "-c", SDIST, folder).split()[-1]
@@ -51,12 +53,25 @@ def wheel(sdist: Path) -> Path:
     return next(sdist.parent.glob("*.whl"))
 
 
-def test_the_sdist_builds_what_the_repository_builds(sdist: Path, wheel: Path) -> None:
+def test_the_sdist_holds_the_whole_tool_and_builds_what_the_repository_builds(sdist: Path, wheel: Path) -> None:
     name = f"sph_slope-{sph.__version__}"
     with tarfile.open(sdist) as archive:
         held = set(archive.getnames())
     assert sdist.name == f"{name}.tar.gz" and wheel.name.startswith(f"{name}-py3-none-any")
-    assert {f"{name}/{file}" for file in ("LICENSE", "README.md", "pyproject.toml", "sph/py.typed", "sph/page/page.html")} <= held
+    tool = (
+        "sph/",
+        "workflow/",
+        "config/",
+        "tests/",
+        "tools/",
+        "docs/",
+        "Snakefile",
+        "LICENSE",
+        "README.md",
+        "pyproject.toml",
+        "constraints.txt",
+    )
+    assert {f"{name}/{file}" for file in tracked() if file.startswith(tool)} <= held
 
 
 def test_the_wheel_serves_an_engineer_in_a_clean_environment(wheel: Path, tmp_path: Path) -> None:
