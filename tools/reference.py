@@ -24,8 +24,7 @@ from pydantic.fields import FieldInfo
 
 from cases.slow_sine import LIMIT
 from cases.suite import SHIPPED_VALIDATION, VALIDATION, read_validation
-from sph.checks.finding import SEVERITIES, Severity
-from sph.checks.messages import meaning
+from sph.checks.messages import MESSAGES, Message, Severity, meaning
 from sph.command.new import ROWS
 from sph.command.schema import MODELS, schema_file, schema_text
 from sph.experiments.paper.design import AnyStudy
@@ -332,10 +331,10 @@ table(
 )(cause_rows)
 
 
-@table("findings", "code | severity | meaning", lambda: SEVERITIES)
-def finding_lines(severities: Mapping[str, Severity | None]) -> Lines:
+@table("findings", "code | severity | meaning", lambda: MESSAGES)
+def finding_lines(messages: Mapping[str, Message]) -> Lines:
     """All that can be found."""
-    for code, severity in severities.items():
+    for code, (severity, *_) in messages.items():
         yield code, str(severity) if isinstance(severity, Severity) else "note or warning", meaning(code)
 
 

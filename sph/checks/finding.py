@@ -1,115 +1,21 @@
-"""What a finding is, and all that can be found (``SEVERITIES``).  Only ``sph.checks.messages`` makes words of one."""
+"""What a finding is.  All that can be found, with severities and words, is in ``sph.checks.messages``."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from typing import Any
 
+from sph.checks.messages import MESSAGES, NOTE, Numbers, Severity
 from sph.scene.strict_json import to_json
-
-
-class Severity(StrEnum):
-    """How much a finding matters."""
-
-    ERROR = "error"
-    """the result will not be the one you want"""
-    WARNING = "warning"
-    """the result may be unreliable"""
-    NOTE = "note"
-    """for information; nothing needs to be changed"""
-
-
-Numbers = Mapping[str, Any]
-"""Numbers (``float``) by name, in SI units (angles in radians) or the unit that the name says; names (``str``) as of a status or a layer.
-
-``value`` is what is measured and ``bound`` what it is compared with, 0 or more both.
-"""
-ERROR, WARNING, NOTE = Severity
-
-
-def _where_below(numbers: Numbers) -> Severity:
-    return WARNING if numbers["value"] < numbers["bound"] else NOTE
-
-
-def _where_bounded(numbers: Numbers) -> Severity:
-    return WARNING if "bound" in numbers else NOTE
-
-
-SEVERITIES: dict[str, Severity | Callable[[Numbers], Severity]] = {
-    "fails-unshaken": ERROR,
-    "softens-unshaken": ERROR,
-    "fails-softened": ERROR,
-    "stands-unshaken": NOTE,
-    "fails-at-residual": NOTE,
-    "stands-at-residual": NOTE,
-    "mobilised-strength": _where_bounded,
-    "factor-of-safety": lambda of: WARNING if of["value"] - of["error"] < 1.0 else NOTE,
-    "yield-acceleration": NOTE,
-    "limit-equilibrium": NOTE,
-    "limit-equilibrium-residual": NOTE,
-    "limit-equilibrium-differs": NOTE,
-    "slip-at-base": WARNING,
-    "stability-unknown": NOTE,
-    "record-offset": WARNING,
-    "record-drift": WARNING,
-    "record-displacement": WARNING,
-    "record-sparse": WARNING,
-    "record-lasting": NOTE,
-    "record-polarity": lambda of: NOTE if "yield_ratio" in of else WARNING,  # of a block chosen here, or of the one that was asked for
-    "pga-implausible": WARNING,
-    "motion-cut-off": WARNING,
-    "block-not-rigid": NOTE,
-    "damping-off-frequency": WARNING,
-    "vertical-unused": NOTE,
-    "level-ground-fails": NOTE,
-    "liquefaction": _where_below,
-    "cyclic-softening": _where_below,
-    "short-waves": WARNING,
-    "sparse-series": WARNING,
-    "few-particles": WARNING,
-    "rows-misfit": WARNING,
-    "layer-broken": ERROR,
-    "thin-layer": WARNING,
-    "weak-on-strong": WARNING,
-    "layer-held": ERROR,
-    "cover-rows": NOTE,
-    "thin-box": WARNING,
-    "short-correlation": WARNING,
-    "no-process-zone": lambda of: NOTE if of["paper"] else WARNING,
-    "density-implausible": WARNING,
-    "stiffness-implausible": WARNING,
-    "cohesion-implausible": WARNING,
-    "angle-implausible": WARNING,
-    "strength-implausible": WARNING,
-    "soil-not-replaced": WARNING,
-    "rigid-box": WARNING,
-    "no-dilation": NOTE,
-    "own-strength-ratio": WARNING,
-    "residual-taken-over": WARNING,
-    "short-process-zone": WARNING,
-    "lost-by-time": _where_bounded,
-    "progressive-failure": WARNING,
-    "back-wall": WARNING,
-    "little-room": WARNING,
-    "debris-at-wall": WARNING,
-    "thin-debris": WARNING,
-    "energy-open": WARNING,
-    "liquefied": NOTE,
-    "other-slope": WARNING,
-    "slope-to-side": WARNING,
-    "time-step": WARNING,
-}
-"""The severity of all that can be found, or the rule for it, by code; codes stay."""
 
 
 @dataclass(frozen=True)
 class Finding:
     """Something that the user of a scene should know before using its results."""
 
-    code: str  # of ``SEVERITIES``
+    code: str  # of ``MESSAGES``
     keys: tuple[str, ...] = ()  # of which one is to change, with its value where that is known: ``walls.layers=3``
     subject: str = ""  # the layer, variable or component that it is of, where a scene may have several
     numbers: Numbers = field(default_factory=dict, hash=False)
@@ -117,7 +23,7 @@ class Finding:
     @property
     def severity(self) -> Severity:
         """By the numbers, where those of a code differ in it."""
-        rule = SEVERITIES[self.code]
+        rule = MESSAGES[self.code].severity
         return rule if isinstance(rule, Severity) else rule(self.numbers)
 
     @property
@@ -135,13 +41,13 @@ class Finding:
 
     @property
     def rank(self) -> tuple[int, float, int]:
-        """By which findings are sorted, the most harmful first: severity, distance from what is wanted, place in ``SEVERITIES``."""
-        return list(Severity).index(self.severity), -self.off_by, list(SEVERITIES).index(self.code)
+        """By which findings are sorted, the most harmful first: severity, distance from what is wanted, place in ``MESSAGES``."""
+        return list(Severity).index(self.severity), -self.off_by, list(MESSAGES).index(self.code)
 
 
 def finding(code: str, *keys: str, subject: str = "", **numbers: Any) -> Finding:
     """A finding with its keys and numbers, those that are None left out; KeyError for an unknown code."""
-    if code not in SEVERITIES:
+    if code not in MESSAGES:
         raise KeyError(code)
     given = {name: value if isinstance(value, str) else float(value) for name, value in numbers.items() if value is not None}
     return Finding(code, keys, subject, given)
@@ -159,6 +65,6 @@ def called(findings: Iterable[Finding], name: str | None) -> list[Finding]:
 
 
 def codes(findings: Iterable[Finding]) -> str:
-    """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``SEVERITIES``."""
+    """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``MESSAGES``."""
     there = {each.code for each in findings}
-    return to_json([code for code in SEVERITIES if code in there])
+    return to_json([code for code in MESSAGES if code in there])

@@ -1,4 +1,4 @@
-"""The words of findings, and nowhere else: for commands, logs, tables, the page and the reference.
+"""All that can be found (``MESSAGES``), with its severity and its words: for commands, logs, tables, the page and the reference.
 
 A text has its numbers in braces, as ``str.format``: ``{value:m/s2}`` is an acceleration in m/s2 and g, ``{value:kPa}`` and
 ``{value:degree}`` have the unit of the keys, ``{value:.3g %}`` is a share in per cent.  Where a code has several texts, a function of the
@@ -10,27 +10,54 @@ from __future__ import annotations
 import math
 import string
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from enum import StrEnum
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sph.checks.finding import Finding, Numbers
 from sph.scene.gravity import FAILED_AREA, GRAVITY
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
 from sph.stability.extrapolation import how_found
 from sph.stability.slip_search import MAX_FACTOR
 
+if TYPE_CHECKING:
+    from sph.checks.finding import Finding
+
 OR = " or "
 """Between the keys of a finding."""
+
+
+class Severity(StrEnum):
+    """How much a finding matters."""
+
+    ERROR = "error"
+    """the result will not be the one you want"""
+    WARNING = "warning"
+    """the result may be unreliable"""
+    NOTE = "note"
+    """for information; nothing needs to be changed"""
+
+
+Numbers = Mapping[str, Any]
+"""Numbers (``float``) by name, in SI units (angles in radians) or the unit that the name says; names (``str``) as of a status or a layer.
+
+``value`` is what is measured and ``bound`` what it is compared with, 0 or more both.
+"""
+ERROR, WARNING, NOTE = Severity
 Text = str | Callable[[Numbers], str]
 
 
 class Message(NamedTuple):
-    """The texts of a code."""
+    """The severity of a code, or the rule for it, and its texts."""
 
+    severity: Severity | Callable[[Numbers], Severity]
     what: Text  # what is the matter
     measured: Text
     wanted: Text = ""  # what the value should be; one that begins with "to", what the scene should do
     meaning: str = ""  # of the code, for the reference, where it is not just ``what``
+
+
+error, warning, note = (partial(Message, severity) for severity in Severity)
 
 
 class Words(NamedTuple):
@@ -99,6 +126,14 @@ SIDES = {"front": "the end of the box in front of the toe", "back": "the end of 
 SURFACES = {"bishop": "Bishop's factor of safety", "spencer": "Spencer's factor of safety", "critical": "Spencer's yield acceleration"}
 
 
+def _where_below(numbers: Numbers) -> Severity:
+    return WARNING if numbers["value"] < numbers["bound"] else NOTE
+
+
+def _where_bounded(numbers: Numbers) -> Severity:
+    return WARNING if "bound" in numbers else NOTE
+
+
 def _at(of: Numbers) -> str:
     """The spacing of a test, with that of the runs where it is another."""
     same = math.isclose(of["spacing"], of["run_spacing"], rel_tol=1e-6)
@@ -137,13 +172,13 @@ def limit_words(of: Finding) -> str:
     return TEXTS[of.code](of.numbers["value"], of.numbers["error"])
 
 
-def limit_how(of: Finding) -> str:
+def limit_how(of: Numbers) -> str:
     """How it was found."""
-    return how_found(of.numbers["coarse"], of.numbers["fine"], bool(of.numbers["step_taken"]))
+    return how_found(of["coarse"], of["fine"], bool(of["step_taken"]))
 
 
 def _limit(code: str) -> Text:
-    return lambda of: f"{limit_words(made := Finding(code, numbers=of))}, {limit_how(made)}"
+    return lambda of: f"{TEXTS[code](of['value'], of['error'])}, {limit_how(of)}"
 
 
 def search_words(facts: Mapping[str, Any]) -> tuple[str, str]:
@@ -242,37 +277,38 @@ def _reached(of: Numbers) -> str:
 
 
 MESSAGES: dict[str, Message] = {
-    "fails-unshaken": Message(
+    "fails-unshaken": error(
         "the slope does not stand without shaking, so its failure is not due to the earthquake",
         lambda of: f"fails at its peak strength, {_displaced(of)} " + _at(of),
         "to stand",
     ),
-    "softens-unshaken": Message(
+    "softens-unshaken": error(
         "soil is at its strength under gravity alone and softens before the shaking, so the result is not due to an earthquake",
         lambda of: "{value:.3g} m2 " + _at(of),
         f"at most {FAILED_AREA:g} H2 = {{bound:.3g}} m2",
     ),
-    "fails-softened": Message(
+    "fails-softened": error(
         "without shaking the slope fails as its soil softens, so the result is not due to the earthquake alone",
         lambda of: f"{_displaced(of)} as it softens, " + _at(of),
         "to stand",
     ),
-    "stands-unshaken": Message(
+    "stands-unshaken": note(
         "the slope without shaking, at peak strength",
         lambda of: "stands " + _at(of),
         meaning="the slope stands at its peak strength without shaking",
     ),
-    "fails-at-residual": Message(
+    "fails-at-residual": note(
         _at_residual,
         "does not stand: soil that fails flows until the slope is flatter",
         meaning="without shaking the slope fails at its residual strength: soil that fails keeps moving downslope",
     ),
-    "stands-at-residual": Message(
+    "stands-at-residual": note(
         _at_residual,
         "stands: soil that fails comes to rest",
         meaning="without shaking the slope stands at its residual strength: soil that fails comes to rest",
     ),
     "mobilised-strength": Message(
+        _where_bounded,
         lambda of: (
             "strength of {subject} mobilised by gravity alone, "
             + ("in level ground at rest (Rankine)" if "depth" in of else "before the shaking")
@@ -283,24 +319,25 @@ MESSAGES: dict[str, Message] = {
         "95 % on",
     ),
     "factor-of-safety": Message(
+        lambda of: WARNING if of["value"] - of["error"] < 1.0 else NOTE,
         "static factor of safety",
         _limit("factor-of-safety"),
         lambda of: "above 1 by more than its error" if of["value"] - of["error"] < 1.0 else "",
     ),
-    "yield-acceleration": Message(
+    "yield-acceleration": note(
         "yield acceleration, pseudo-static", _limit("yield-acceleration"), meaning="pseudo-static yield acceleration"
     ),
-    "limit-equilibrium": Message(
+    "limit-equilibrium": note(
         "limit equilibrium, without a run",
         lambda of: f"{factor_words(of)}; yield acceleration {yield_words(of)}",
         meaning="factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods",
     ),
-    "limit-equilibrium-residual": Message(
+    "limit-equilibrium-residual": note(
         "limit equilibrium at the residual strength",
         factor_words,
         meaning="factor of safety by limit equilibrium at the strength that failed soil keeps",
     ),
-    "limit-equilibrium-differs": Message(
+    "limit-equilibrium-differs": note(
         lambda of: (
             f"the factor of safety by SPH lies {abs(off := of['value'] / of['bound'] - 1.0):.0%} "
             f"{'above' if off > 0.0 else 'below'} Spencer's"
@@ -308,19 +345,19 @@ MESSAGES: dict[str, Message] = {
         _reasons,
         meaning="the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons",
     ),
-    "slip-at-base": Message(
+    "slip-at-base": warning(
         "a slip surface reaches an absorbing base with the same soil below it; such a base carries no static load applied after the "
         "gravity stage",
         _reaching,
         "to lie above the base, or end on stiff ground",
     ),
-    "stability-unknown": Message(
+    "stability-unknown": note(
         lambda of: UNKNOWN[of["subject"]][0],
         lambda of: UNKNOWN[of["subject"]][1],
         lambda of: "to have ground behind the crest, {heights:g} times the slope's height at least" if "heights" in of else "",
         meaning="the stability of the slope could not be found, with the reason",
     ),
-    "record-offset": Message(
+    "record-offset": warning(
         lambda of: (
             "the record drifts, and the displacement depends on its mean acceleration"
             if "slip" in of
@@ -334,27 +371,28 @@ MESSAGES: dict[str, Message] = {
         lambda of: "equal to within {difference:.0f %}" if "slip" in of else "at most {bound:.2g} m/s",
         meaning="the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts",
     ),
-    "record-drift": Message(
+    "record-drift": warning(
         "the record drifts",
         "{value:.2g} m/s at its end",
         "at most {bound:.2g} m/s",
         meaning="the ground still moves at the end of the record",
     ),
-    "record-displacement": Message(
+    "record-displacement": warning(
         "the peak displacement of the ground is implausible",
         "{value:.3g} m",
         "at most {bound:g} m, except beside a fault that broke the surface",
     ),
-    "record-sparse": Message(
+    "record-sparse": warning(
         "the samples of the record are so far apart that its times may be in another unit",
         "a sample every {value:g} s",
         "at most {bound:g} s; look at its time column",
         meaning="the samples of the record are more than 0.1 s apart: times in another unit, or only every n-th sample",
     ),
-    "record-lasting": Message(
+    "record-lasting": note(
         "the ground is left displaced at the end of the record", "{value:.2g} m, with a peak displacement of {peak:.2g} m", "near 0"
     ),
     "record-polarity": Message(
+        lambda of: NOTE if "yield_ratio" in of else WARNING,  # of a block chosen here, or of the one that was asked for
         "the reversed record drives a sliding block further",
         lambda of: (
             "{reversed:.3g} m instead of {as_recorded:.3g} m"
@@ -363,14 +401,14 @@ MESSAGES: dict[str, Message] = {
         "the larger of the two directions",
         meaning="with its polarity reversed the record drives a sliding block further",
     ),
-    "pga-implausible": Message(
+    "pga-implausible": warning(
         "the {subject} peak acceleration of the ground is implausible",
         "{value:m/s2}",
         lambda of: f"{of['least'] / GRAVITY:g} to {of['most'] / GRAVITY:g} g; look at the unit of a record",
         meaning="the peak acceleration of the ground is implausible: often a mistaken unit",
     ),
-    "motion-cut-off": Message("the run ends before the motion does", "{value:g} s", "more than {bound:.4g} s"),
-    "block-not-rigid": Message(
+    "motion-cut-off": warning("the run ends before the motion does", "{value:g} s", "more than {bound:.4g} s"),
+    "block-not-rigid": note(
         lambda of: (
             "the slope is not rigid under this motion, so a rigid sliding block "
             f"{'underestimates' if of['value'] <= 1.0 else 'does not represent'} its displacement"
@@ -379,53 +417,55 @@ MESSAGES: dict[str, Message] = {
         "at most {bound:g} for a rigid block (Jibson 2011)",
         meaning="the slope is too soft to move like the rigid sliding block that its runs are compared with",
     ),
-    "damping-off-frequency": Message(
+    "damping-off-frequency": warning(
         "the first mode of the ground, {frequency:.3g} Hz below the crest edge, is damped more than the ratio that is given",
         "{value:.3g %} instead of {given:.3g %}",
         "at most {bound:.3g %}",
         meaning="the first mode of the ground is damped more than twice as much as the ratio that is given",
     ),
-    "vertical-unused": Message(
+    "vertical-unused": note(
         "the vertical component of the motion",
         "motion.vertical does not act on the sliding block, which the horizontal component alone drives",
         meaning="the vertical component does not act on the sliding block",
     ),
-    "level-ground-fails": Message(
+    "level-ground-fails": note(
         "level ground behind the crest, taken as a rigid column, fails in shear as well",
         "{value:m/s2}, where {bound:m/s2} is enough at a depth of {depth:.3g} m",
         "less, unless the ground is meant to fail as a whole",
     ),
     "liquefaction": Message(
+        _where_below,
         lambda of: "{subject} liquefies in the earthquake" if of["value"] < of["bound"] else "{subject} does not liquefy in the earthquake",
         _simplified,
         "at least {bound:g}",
         meaning="least factor of safety of sand against liquefaction (Boulanger and Idriss 2014), with --magnitude",
     ),
     "cyclic-softening": Message(
+        _where_below,
         lambda of: "{subject}, clay, softens in the earthquake" if of["value"] < of["bound"] else "{subject}, clay, keeps its strength",
         _simplified,
         "at least {bound:g}; or give its strength after the cycles",
         meaning="least factor of safety of clay against cyclic softening (Boulanger and Idriss 2007), with --magnitude",
     ),
-    "short-waves": Message(
+    "short-waves": warning(
         "shear waves of {frequency:.3g} Hz are too short for the particles in {subject}",
         "{value:.2g} smoothing lengths per wave ({wavelength:.3g} m), carried {slower:.0%} too slowly",
         "at least {bound:g} (Kuhlemeyer and Lysmer 1973)",
         meaning="the particles do not resolve the highest frequencies of the motion",
     ),
-    "sparse-series": Message(
+    "sparse-series": warning(
         "the stored series have too few samples of the shaking",
         "{value:.2g} samples per period at {frequency:.3g} Hz",
         "at least {bound:g}",
     ),
-    "few-particles": Message("few particles across the slope's height", "{value:.1f} particles in {height:g} m", "at least {bound:g}"),
-    "rows-misfit": Message(
+    "few-particles": warning("few particles across the slope's height", "{value:.1f} particles in {height:g} m", "at least {bound:g}"),
+    "rows-misfit": warning(
         lambda of: "the rows of particles make the slope too " + ("high" if of["value"] > of["bound"] else "low"),
         lambda of: f"{{value:.4g}} m for {{bound:.4g}} m ({of['value'] / of['bound'] - 1.0:+.1%})",
         "equal, as with a spacing of {spacing:.4g} m, which divides the height",
         meaning="the rows of particles make the slope higher or lower than it is",
     ),
-    "layer-broken": Message(
+    "layer-broken": error(
         lambda of: "the particles do not resolve {subject} as a continuous layer" if of["particles"] else "no particle lies in {subject}",
         lambda of: (
             "particles in {columns:g} of the {crossed:g} columns that it crosses, {thickness:.3g} m thick at a spacing of {spacing:.3g} m"
@@ -435,13 +475,13 @@ MESSAGES: dict[str, Message] = {
         "in every column, which needs a thickness of at least {spacing:.3g} m; or describe it as a seam",
         meaning="a layer that is continuous in the scene becomes separate particles, or none at all",
     ),
-    "thin-layer": Message(
+    "thin-layer": warning(
         "{subject} is thin",
         lambda of: f"{{value:g}} {'particle' if of['value'] == 1 else 'particles'} across",
         "at least {bound:g}",
         meaning="few particles across a layer",
     ),
-    "weak-on-strong": Message(
+    "weak-on-strong": warning(
         lambda of: (
             "{subject}, weak soil that slides on stronger {ground}, is braked, so its run-out is too short"
             if "ground" in of
@@ -451,46 +491,47 @@ MESSAGES: dict[str, Message] = {
         _unbraked,
         meaning="weak soil that has failed is braked by stronger soil, so that its run-out is a lower bound",
     ),
-    "layer-held": Message(
+    "layer-held": error(
         "{subject}, weak soil between stronger ones, is held, since the kernel reaches across it",
         "{value:.2g} rows of particles in {thickness:.3g} m",
         lambda of: f"at least {{bound:g}}, with a spacing of at most {of['thickness'] / of['bound']:.3g} m; or describe it as a seam",
         meaning="a weak layer between two stronger soils has fewer than two rows of particles, and cannot slide",
     ),
-    "cover-rows": Message(
+    "cover-rows": note(
         "{subject}, weak soil on stronger {ground}, has enough rows",
         _cover,
         meaning="weak soil on stronger ground has enough rows of particles for its run-out",
     ),
-    "thin-box": Message(
+    "thin-box": warning(
         "the boundary particles do not fill the kernel's support, so stresses beside them alternate from row to row",
         "{value:g} layers",
         "{bound:g}",
     ),
-    "short-correlation": Message(
+    "short-correlation": warning(
         "{subject} varies over lengths that the particles do not resolve",
         "correlation length {value:g} m",
         "at least {bound:.3g} m, the kernel's reach",
         meaning="strength varies over lengths that the particles do not resolve",
     ),
     "no-process-zone": Message(
+        lambda of: NOTE if of["paper"] else WARNING,
         "soil fails as soon as its stress reaches its strength, so the shaking at which the slope fails depends on the spacing",
         "no softening width",
         "a width, with the slips from a shear test",
     ),
-    "density-implausible": Message(
+    "density-implausible": warning(
         _property,
         "{key} {value:g} kg/m3",
         "{least:,g} to {most:,g} kg/m3",
         meaning="a density of soil outside 1,000 to 3,000 kg/m3: often a mistaken unit",
     ),
-    "stiffness-implausible": Message(
+    "stiffness-implausible": warning(
         "the stiffness of {subject} is implausible",
         "{key} {youngs_modulus:kPa}, V_s = {value:.3g} m/s",
         "V_s = {least:,g} to {most:,g} m/s",
         meaning="a shear-wave velocity outside 30 to 3,500 m/s: often Young's modulus in another unit than kPa",
     ),
-    "cohesion-implausible": Message(
+    "cohesion-implausible": warning(
         _property,
         "{key} {value:kPa}",
         lambda of: (
@@ -498,35 +539,35 @@ MESSAGES: dict[str, Message] = {
         ),
         meaning="a cohesion above 1 MPa, or above 0 and below 0.1 kPa: often in Pa or MPa instead of kPa",
     ),
-    "angle-implausible": Message(
+    "angle-implausible": warning(
         lambda of: "the friction of the walls ({subject}) is implausible" if _is_tangent(of) else _property(of),
         lambda of: "{key} {value:g}" if _is_tangent(of) else "{key} {value:degree}",
         _angle,
         meaning="an angle of friction or dilation above 0 and below 1.2 degrees, or of a slope below 1.6: often in radians, or a tangent; "
         "or a coefficient of wall friction above 1.2: often an angle",
     ),
-    "strength-implausible": Message(
+    "strength-implausible": warning(
         "the peak strength of {subject} is implausibly low",
         "{key} {cohesion:kPa} and friction_angle {friction_angle:degree}",
         "at least {least_cohesion:kPa} or at least {least_angle:degree}",
         meaning="a friction angle below 5 degrees together with a cohesion below 5 kPa",
     ),
-    "soil-not-replaced": Message(
+    "soil-not-replaced": warning(
         "the soil is still the placeholder of sph new",
         lambda of: "its values" if of["values"] else "its title",
         "your soil and a title of your own",
     ),
-    "rigid-box": Message(
+    "rigid-box": warning(
         "a rigid box reflects waves, so the slope is shaken harder than on a site where they radiate away",
         lambda of: f"base {wall_words(of['base'])}, sides {wall_words(of['sides'])}",
         "absorbing, where waves radiate away",
     ),
-    "no-dilation": Message(
+    "no-dilation": note(
         "frictional soil does not dilate",
         "0 degrees",
         "the angle from a shear test: 0 in loose soil, a fraction of the friction angle in dense soil",
     ),
-    "own-strength-ratio": Message(
+    "own-strength-ratio": warning(
         lambda of: (
             "the study varies {subject}, which does not reach all layers"
             if of["layers"]
@@ -542,18 +583,19 @@ MESSAGES: dict[str, Message] = {
         ),
         meaning="the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that affects no soil",
     ),
-    "residual-taken-over": Message(
+    "residual-taken-over": warning(
         "{subject}, stronger than the main soil at its peak, falls to the same residual strength when it fails",
         "c = {cohesion:kPa}, phi = {friction_angle:degree}",
         "its own: a layer takes over what it does not name",
         meaning="a layer stronger than the main soil has the same residual strength, as one that names none of its own",
     ),
-    "short-process-zone": Message(
+    "short-process-zone": warning(
         "the width over which slip is averaged is narrow, so failure depends on the spacing",
         "{value:.2g} spacings ({width:g} m)",
         "at least {bound:g}",
     ),
     "lost-by-time": Message(
+        _where_bounded,
         lambda of: (
             "strength falls with time as well as with slip"
             if "bound" in of
@@ -563,63 +605,64 @@ MESSAGES: dict[str, Message] = {
         lambda of: "{bound:g}" if "bound" in of else "a loss with slip, with the slip at the residual strength from a shear test",
         meaning="strength falls with time after failure, however little the soil moves; a warning beside a loss by slip",
     ),
-    "progressive-failure": Message(
+    "progressive-failure": warning(
         "slip in {subject} develops over a short zone, so the shaking at which the slope fails may depend on the spacing",
         "{value:.3g} m",
         "at least {heights:g} slope heights, {bound:.3g} m; otherwise compare two spacings",
         meaning="slip develops over less than three slope heights, so the shaking at failure may depend on the spacing",
     ),
-    "back-wall": Message("the side of the model behind the crest is near", "{value:.3g} m", "at least H = {bound:.3g} m"),
-    "little-room": Message(
+    "back-wall": warning("the side of the model behind the crest is near", "{value:.3g} m", "at least H = {bound:.3g} m"),
+    "little-room": warning(
         "little room for the run-out between the toe and the side of the model",
         "{value:.4g} m",
         "at least {bound:.4g} m, {heights:.2g} H, for the residual strength of the soil",
     ),
-    "debris-at-wall": Message(
+    "debris-at-wall": warning(
         _reached,
         "at {time:.3g} s",
         "to stay inside a longer box",
         meaning="after the run: failed soil has reached an end of the box, so the box decides how far it goes",
     ),
-    "thin-debris": Message(
+    "thin-debris": warning(
         "debris that ran {runout:.3g} m is thin, so its run-out is not reliable",
         "on average {value:.2g} particles thick in front of the toe",
         lambda of: f"at least {{bound:g}}, better {2.0 * of['bound']:g}",
         meaning="after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable",
     ),
-    "energy-open": Message(
+    "energy-open": warning(
         "the energy budget of the run does not close, so its results are not reliable",
         "an error of {value:.2g %} of the sum of its parts",
         "at most {bound:g %}, as with a smaller step or spacing",
     ),
-    "liquefied": Message(
+    "liquefied": note(
         "{subject} has liquefied",
         "{share:.0f %} of its sand below water, half of that by {middle:.3g} s, the first at {first:.3g} s",
         meaning="share of the sand of a layer that has liquefied in a run, with water.excess_pressure.liquefaction",
     ),
-    "other-slope": Message(
+    "other-slope": warning(
         "the ground falls further to the {other} than to the {downhill}",
         "{bound:.3g} m and {value:.3g} m",
         "the other way round, unless the smaller slope is the one that may fail",
         meaning="the ground falls further to the other side",
     ),
-    "slope-to-side": Message(
+    "slope-to-side": warning(
         "the slope goes on to the side of the model, whose end is taken for its {subject}",
         "({x:.10g}, {y:.10g}) m, H = {height:.4g} m",
         _other_face,
         meaning="the slope goes on to a side of the model, whose end is taken for its crest or its toe",
     ),
-    "time-step": Message(
+    "time-step": warning(
         "the time step is near or above its limit", "{value:.3g} s", "at most {bound:.2g} s, {share:g} of the limit ({limit})"
     ),
 }
-"""The texts of all that can be found, by code."""
+"""All that can be found, by code; codes stay."""
 
 
 def words(of: Finding) -> Words:
     """A finding in words."""
     known = {**of.numbers, "subject": of.subject, "key": of.keys[0] if of.keys else ""}
-    texts = (text if isinstance(text, str) else text(known) for text in MESSAGES[of.code][:3])
+    message = MESSAGES[of.code]
+    texts = (text if isinstance(text, str) else text(known) for text in (message.what, message.measured, message.wanted))
     what, measured, wanted = (_Units().vformat(text, (), known) for text in texts)
     return Words(what, measured, wanted, OR.join(of.keys))
 

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.checks import equilibrium
-from sph.checks.finding import NOTE, Finding, called, finding
+from sph.checks.finding import Finding, called, finding
 from sph.checks.layers import broken_at
+from sph.checks.messages import NOTE
 from sph.checks.soil import mobilised_strength
 from sph.measures.mobilised import mobilised_by_layer
 from sph.output.run import Run

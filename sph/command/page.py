@@ -68,11 +68,12 @@ class SoFar:
             rows.append({CASE: name, **row} if layout.named else row)
         write_csv(study_rows(rows, layout), table)
         shown = {name: os.path.relpath(path) for name, path in done.items() if name in study.page_runs}
+        scenes = {path: states[name].job.scene for name, path in shown.items()}
         write_page(
             f"{self.folder}/{PAGE}",
             StudyFiles(
-                study.study, study.fidelity, self.folder, table, layout, self.plan.dimensions, len(study.runs), shown, [], files, [],
-                probe=study.metrics.probe, places=study.metrics.places, client=study.page == "client", project=study.project,
+                study.study, study.fidelity, self.folder, table, layout, self.plan.dimensions, len(study.runs), shown, scenes, [], files,
+                sections=[], probe=study.metrics.probe, places=study.metrics.places, client=study.page == "client", project=study.project,
                 author=study.author, missing=self.missing, renewed=RENEWED if growing and self.missing else 0,
             ),
         )  # fmt: skip

@@ -63,9 +63,10 @@ class Run:
         return run if isinstance(run, Run) else cls(run)
 
     @classmethod
-    def read(cls, path: Path | str) -> Run:
-        """The run of a file; ValueError names one that lacks a variable or fact of a run, as a search's does, or whose scene is refused."""
-        run = cls(trajectory.read_run(path), origin=str(path))
+    def read(cls, path: Path | str, scene: Scene | None = None) -> Run:
+        """The run of a file, and its ``scene`` where it is known; ValueError names a file that lacks a variable or fact of a run, as that
+        of a search does, or whose scene is refused."""
+        run = cls(trajectory.read_run(path), scene, str(path))
         run.scene  # noqa: B018  refused here, by the name of the file
         return run
 

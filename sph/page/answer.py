@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks.after_run import BRAKED, is_bounded, is_braked, is_open, lower_bounds
-from sph.checks.finding import Severity
-from sph.checks.messages import braked_words, factor_words, sentence, yield_words
+from sph.checks.messages import Severity, braked_words, factor_words, sentence, yield_words
 from sph.experiments.variants.advice import expected_sentence
 from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT

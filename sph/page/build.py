@@ -31,6 +31,7 @@ from sph.page.explorer import explorer
 from sph.page.matrix import TO_COME, Matrix, matrix
 from sph.page.sections import DOCS, Drawing, Section, of
 from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
+from sph.scene.schema import Scene
 from sph.scene.strict_json import finite, parse_json
 from sph.scene.units import beside_g
 from sph.storage.files import whole
@@ -65,6 +66,7 @@ class StudyFiles(NamedTuple):
     dimensions: Sequence[Dimension]
     size: int  # number of its runs
     runs: Mapping[str, str]  # files of those that the page shows, by name: all but in a large study
+    scenes: Mapping[str, Scene]  # of their files; one that is left out is that in the file
     stages: Sequence[tuple[str, str]]  # gravity stage and pre-failure run of each run shown, in the same order
     files: Sequence[str]  # of the sections
     sections: Sequence[Section]
@@ -76,6 +78,10 @@ class StudyFiles(NamedTuple):
     author: str = ""
     missing: Mapping[str, Missing] = {}  # runs that are not done yet, and so not in the table, by name
     renewed: int = 0  # seconds after which the page is to be read again, since it grows; 0: it is finished
+
+    def read(self, path: Path | str) -> Run:
+        """The run of a file."""
+        return Run.read(path, self.scenes.get(str(path)))
 
 
 class Missing(NamedTuple):
@@ -158,7 +164,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     # A grid of which every run is shown is chosen by its dimensions, anything else from a list of runs.
     listed = not study.layout.labels or len(table) < study.size
     keyed = list(table.index) if listed else list(map("|".join, shown))
-    scene = Run.read(runs[0]).scene
+    scene = study.read(runs[0]).scene
     varied = {scene_key(found.name): _values(whole_table[found.name], found.unit) for found in study.dimensions}
     keys = scene_table(scene, varied)
     over = [found.phrase for found in study.dimensions]
@@ -210,7 +216,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         "points": facts,
         "table": base64.b64encode(zlib.compress(table.to_csv(index=False, na_rep="NaN", lineterminator="\n").encode(), 9)).decode(),
     }
-    data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST, study.places)
+    data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST, study.places, study.read)
     if study.client:
         data["shares"] = {name: label.removesuffix(" r_u") for name, label in data["shares"].items() if name != "beta"}
     for point, run in zip(facts.values(), data.pop("runs"), strict=False):
@@ -255,7 +261,7 @@ def farthest(table: pd.DataFrame) -> str | None:
 
 def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) -> Picture:
     """The slope before and after a run, ``beside`` the matrix of all runs, and the same for a phone."""
-    run, tall = Run.read(study.runs[name]), beside is not None and beside.lines > TALL
+    run, tall = study.read(study.runs[name]), beside is not None and beside.lines > TALL
     equilibrium = found_equilibrium(run.scene)
     pictures = []
     for width in (NARROW, WIDTH):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -63,12 +63,19 @@ DETAILS = tuple(Detail(frames, 1) for frames in (1, 2, 4, 8, None)) + tuple(Deta
 """From all to little: the first with which the runs fit into the page is taken."""
 
 
-def explorer(paths: Sequence[Path | str], probe: str, room: int, places: Mapping[str, PlaceAt] | None = None) -> dict[str, Any]:
+def explorer(
+    paths: Sequence[Path | str],
+    probe: str,
+    room: int,
+    places: Mapping[str, PlaceAt] | None = None,
+    read: Callable[[Path | str], Run] = Run.read,
+) -> dict[str, Any]:
     """What the page needs to draw the runs of a study and its ``places``, as JSON in at most ``room`` characters.
 
-    ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is not a run and a probe that it lacks.
+    Files are ``read`` one at a time, again for every detail that is tried.  ``runs`` is empty if even the least detail takes more.  Raises
+    ValueError for a file that is not a run and a probe that it lacks.
     """
-    first = Run.read(paths[0])
+    first = read(paths[0])
     surroundings, limits = surroundings_of(first, places), np.array(frame_limits(first, 0))
     shared = surroundings | {
         "probe": probe,
@@ -76,7 +83,7 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int, places: Mapping
     }
     room -= _size(shared)
     for detail in DETAILS:
-        runs = list(_within(room, (run_data(Run.read(path), probe, detail, surroundings, places) for path in paths)))
+        runs = list(_within(room, (run_data(read(path), probe, detail, surroundings, places) for path in paths)))
         if len(runs) == len(paths):
             break
     else:

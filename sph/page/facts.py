@@ -10,8 +10,8 @@ from pathlib import Path
 import pandas as pd
 
 from sph.checks.after_run import is_braked
-from sph.checks.finding import Finding, Severity
-from sph.checks.messages import factor_words, limit_how, limit_words, search_words
+from sph.checks.finding import Finding
+from sph.checks.messages import Severity, factor_words, limit_how, limit_words, search_words
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
@@ -83,7 +83,7 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
             return "not known", unknown[0] if closely else re.sub(r"^[a-z_.]+: ", "", unknown[0])
         return NOT_SEARCHED, closely
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
-    how = f"static, a quick search{slopes} before the runs, {limit_how(found[0])}"
+    how = f"static, a quick search{slopes} before the runs, {limit_how(found[0].numbers)}"
     return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
 
 

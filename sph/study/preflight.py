@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks import equilibrium
-from sph.checks.finding import Finding, Severity, finding
+from sph.checks.finding import Finding, finding
 from sph.checks.layers import broken_at, layers_of
-from sph.checks.messages import OR, line, record
+from sph.checks.messages import OR, Severity, line, record
 from sph.checks.scene import findings
 from sph.checks.stability import (
     QUESTIONS,

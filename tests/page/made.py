@@ -89,7 +89,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
     stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/pre_failure_amplitude-{point['amplitude']}.nc") for point in points]
     by_name = {Path(run).stem: run for run in runs}
     return StudyFiles(
-        "made", "up", FOLDER, f"{FOLDER}/study.csv", layout, DIMENSIONS, 4, by_name, stages,
+        "made", "up", FOLDER, f"{FOLDER}/study.csv", layout, DIMENSIONS, 4, by_name, {}, stages,
         existing(FOLDER, PAPER_SECTIONS), PAPER_SECTIONS, {"fig4": runs[1:3]},
     )  # fmt: skip
 

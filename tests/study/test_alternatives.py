@@ -13,7 +13,7 @@ import pytest
 import yaml
 from small_scenes import SLOPE
 
-from sph.checks.finding import Severity
+from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
 from sph.page.alternatives import compared, verdict

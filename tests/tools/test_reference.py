@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cases.suite import VALIDATION
-from sph.checks.finding import SEVERITIES
+from sph.checks.messages import MESSAGES
 from sph.command.cli import app
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import EXPERIMENTS
@@ -58,7 +58,7 @@ def test_the_readme_holds_its_generated_tables_and_no_other_page_has_any() -> No
     [
         ("reference/scene-keys.md", [row[0] for row in key_rows(Scene)]),
         ("reference/study-keys.md", [row[0] for model in KEYS for row in key_rows(model)]),
-        ("reference/findings.md", [*SEVERITIES]),
+        ("reference/findings.md", [*MESSAGES]),
         ("reference/metrics.md", [column.name for column in VALUES]),
         ("reference/files.md", [column.name for column in VARIABLES]),
         ("evidence/validation.md", [column.name for column in VALIDATION]),

@@ -12,12 +12,12 @@ from sph.study.planned import Planned
 def write(path_to_page: str, given: Any, scenes: Sequence[Planned], names: Sequence[str], kept: Iterable[str], **facts: Any) -> int:
     """The page, of runs and stages of planned scenes, and its size; ``names`` are those of the runs, ``kept`` are files that are shown
     though nothing makes them now, ``facts`` go into ``StudyFiles``."""
-    for path, planned in zip([*given.runs, *given.stages], scenes, strict=True):
-        planned.check(attributes(path), path)
+    checked = {path: planned.check(attributes(path), path) for path, planned in zip([*given.runs, *given.stages], scenes, strict=True)}
     study = StudyFiles(
         folder=str(Path(path_to_page).parent),
         table=given.study,
         runs=dict(zip(names, given.runs, strict=True)),
+        scenes=checked,
         files=[*given.yields, *given.files, *kept],
         **facts,
     )
