@@ -99,24 +99,57 @@ def common(
 
 
 @command(
-    "Examples:  sph new ground.csv RSN6_ELC180.AT2 --out myslope  |  sph new ground.csv quake.csv --cover 3 --out myslope",
-    "reading ground and record",
+    "Examples:  sph new ground.csv RSN6_ELC180.AT2 --out myslope  |  sph new --slope 28,32 --cover 4 "
+    "--soil unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,residual_friction_angle=20 --water 2.5 "
+    "--record A.csv --record B.csv --scale-to 0.35g --place path=8,house=40 --alternative drained=5,berm=5 --out myslope",
+    "reading ground and records",
 )
 def new(
-    ground: Annotated[Path, typer.Argument(metavar="GROUND", help="ground line of the survey (CSV, GeoJSON or WKT)")],
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv)")],
-    out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
-    component: Component = None,
+    ground: Annotated[
+        Path | None, typer.Argument(metavar="[GROUND]", help="ground line of the survey (CSV, GeoJSON or WKT), unless --slope is given")
+    ] = None,
+    first: Annotated[
+        Path | None, typer.Argument(metavar="[RECORD]", help="ground motion (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv), as --record")
+    ] = None,
+    slope: Annotated[
+        str | None, typer.Option(metavar="HEIGHT,ANGLE", help="a plain slope instead of a survey, m and degree; x is 0 at its toe")
+    ] = None,
     cover: Annotated[
         float | None, typer.Option(metavar="THICKNESS", help="of a weak cover on stronger ground, m: adds a layer, and chooses the spacing")
     ] = None,
+    soil: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUE,...",
+            help="soil of the slope or of its cover: unit_weight (kN/m3), cohesion and residual_cohesion (kPa), friction_angle and "
+            "residual_friction_angle (degree), shear_wave_speed (m/s), poisson_ratio",
+        ),
+    ] = None,
+    water: Annotated[
+        str | None, typer.Option(metavar="DEPTH", help="of the water table below the ground, m, or a file of its line")
+    ] = None,
+    record: Annotated[list[Path] | None, typer.Option(help="ground motion; repeat it for several, which the study compares")] = None,
+    scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale every record to this peak acceleration, as 0.35g")] = None,
+    component: Component = None,
+    unit: Unit = None,
+    place: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=X,...", help="what the debris must not reach: its x, m; of a plain slope its distance from the toe"),
+    ] = None,
+    alternative: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE,...",
+            help="measures to compare: drained, by the depth of the lowered water table (m); berm, by its height (m)",
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="folder to write scene.yaml, study.yaml and their lines into")] = Path(),
 ) -> Told:
-    """Write a scene and a study for your own slope, with comments; then replace the soil properties in them."""
-    from sph.command.new import cover_words, write_new
+    """Write a scene and a study of your own slope, ready to run, and tell what was assumed because you did not type it."""
+    from sph.command.new import new
 
-    scene, study = write_new(ground, record, out, component, cover)
-    say(*(cover_words(scene) if cover is not None else ()))
-    return f"{scene}, {study}: replace the soil properties, then run sph check {scene} --plot scene.png"
+    records = [*([first] if first else ()), *(record or ())]
+    return new(ground, slope, records, scale_to, component, unit, cover, soil, water, place, alternative, out)
 
 
 @command(

@@ -1,128 +1,225 @@
-"""What ``sph new`` writes: a commented scene and study of the user's own slope, from its ground line and a record."""
+"""What ``sph new`` writes: a commented scene and study of the user's own slope, from what an engineer knows of it."""
 
 from __future__ import annotations
 
 import math
 import os
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
+from pydantic import TypeAdapter, ValidationError
 
 import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.layers import of_cover
 from sph.checks.messages import sentence
-from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, to_side
+from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, room_ahead, to_side
+from sph.command.options import parse_acceleration, parse_numbers, parse_treatment, parse_values
 from sph.command.schema import schema_file
+from sph.command.sections import BERM_SIDE, Berm, at_depth, berm, plain_slope
+from sph.command.terminal import say
+from sph.measures.places import beyond_toe
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
 from sph.scene.ground_motion import read_record
+from sph.scene.ground_motion.units import Unit
+from sph.scene.names import check_known
 from sph.scene.natural_periods import Column, natural_frequencies
+from sph.scene.places import Point
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
+from sph.scene.units import GRAVITY
 from sph.storage.files import whole
 from sph.study.cost import ON_REFERENCE, cost
+from sph.study.dimensions import ALTERNATIVE, BASE, Value
 from sph.study.machine import duration
+from sph.study.plan import load_study
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
+LINES = {
+    "ground": "ground, m; x = 0 is the toe",
+    "rock": "top of the ground below the cover, m",
+    "water": "water table, m",
+    "drained": "water table of the alternative drained, m",
+    "berm": "ground of the alternative berm, m",
+    "berm_fill": "outline of its fill, m",
+}
+"""Files with a line each, by name, and what they say of themselves."""
 ROWS = 20
 """Particles over the height of the slope at least."""
 PART, PARTS = 3, 4
 """Share of these for a first look, and to compare with; whole rows at both make the height of the slope and the depth below its toe."""
-FINER = 1.5
-"""Times as many, to see what finer ones change."""
 MAX_COMPARED, MAX_RUN = 3600.0, 86400.0
 """Computing time (s) of a run up to which a cover has the rows that it needs at the coarser spacing as well, and at most."""
-GROUND = {"density": 2200.0, "s_wave_speed": 450.0, "cohesion": 200.0, "friction_angle": 38.0}
-"""The ground below a cover, to be replaced, in the units of the scene's keys."""
+UNITS = {
+    "density": "kg/m3, with its water",
+    "shear_wave_speed": "m/s; or youngs_modulus in kPa",
+    "poisson_ratio": "",
+    "cohesion": "kPa, at the peak",
+    "friction_angle": "degree, at the peak",
+    "residual_cohesion": "kPa, of failed soil",
+    "residual_friction_angle": "degree, of failed soil",
+}
+"""Keys of a soil in the order in which they are written, with their units."""
+FROM_TESTS = ("density", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
+"""Those without which the soil is not the user's."""
+UNIT_WEIGHT = "unit_weight"
+"""What is typed in place of the density, kN/m3."""
+PLACEHOLDERS = {"shear_wave_speed" if name == "s_wave_speed" else name: value for name, value in PLACEHOLDER_SOIL.items()}
+RESIDUAL = "residual_"
+"""Beginning of the keys that a layer has only where the soil has them."""
+ROCK = {
+    "density": 2200.0,
+    "shear_wave_speed": 450.0,
+    "cohesion": 200.0,
+    "friction_angle": 38.0,
+    "residual_cohesion": 50.0,
+    "residual_friction_angle": 34.0,
+}
+"""The ground below a cover, weathered rock, in the units of the scene's keys."""
+FILL = {
+    "density": 2000.0,
+    "shear_wave_speed": 300.0,
+    "cohesion": 5.0,
+    "friction_angle": 40.0,
+    "residual_cohesion": 0.0,
+    "residual_friction_angle": 36.0,
+}
+"""That of a berm, compacted gravel."""
+RATIOS, FACTORS = ("0.3", "0.5", "0.7"), (0.5, 1.0, 1.5)
+"""S_R, and amplitude over the record's peak, that a study varies where neither was typed."""
 WIDTH = 0.22
 """Over which failure begins, over the slope's height: three spacings even for a first look."""
-DEPTH = 0.4
-"""Soil below the lowest ground, over the slope's height."""
-START, AFTER = 3.0, 5.0
-"""Beginning of the record, after the gravity stage, and what is simulated after its end, s."""
+DEPTH, BEHIND, AHEAD = 0.4, 3.0, 2.0
+"""Soil below the lowest ground, level ground behind the crest of a plain slope and at least before its toe, over the slope's height."""
+START, AFTER = 3.0, 4.0
+"""Beginning of the record, after the gravity stage, s, and what is simulated after its end, in s over the root of the slope's height in m:
+the debris of a slope 25 m high may need 20 s."""
+LOWERED, BERM = 0.3, 0.2
+"""Depth of the water of an unknown line once drained, and height of a berm, that are suggested, over the slope's height."""
+GENTLEST, STEEPEST = 5.0, 80.0
+"""Angles of a plain slope, degree."""
 MAX_TITLE = 100
 """Most characters of the ground file's name in the title."""
 
 SCENE_TEXT = """\
-{scene_schema}# Your own slope.
-# Written by `sph new` from {ground} and {record}. The soil is a PLACEHOLDER: replace every line marked REPLACE, then check:
-#   sph check {scene_word} --plot scene.png
-#   sph fos {scene_word}
-#   sph run {scene_word}
-# Every key is described in docs/reference/scene-keys.md.
+{scene_schema}# Your own slope, written by `sph new`. Check it, and look at it:  sph check {study_word} --plot scene.png
+# What you did not type is ASSUMED. Replace what you know better; every key is described in docs/reference/scene-keys.md.
+{assumed}
 name: {name}
-title: {title} # shown in every figure; remove the words in brackets after the last REPLACE
-duration: {duration:g} # s, until {after:g} s after the record
+title: {title} # shown in every figure{placeholder}
+duration: {duration:g} # s, until {after:.3g} s after the longest record, for the debris to come to rest
+early_stop: {{}} # a run ends sooner where all soil has come to rest
 geometry:
   shape: ground_line
   file: {ground}
   base: {base:.8g} # m, elevation of the model's base; deeper than any slip surface, whole rows of particles below the toe
   downhill: {downhill}{ends}
 # Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is the outcrop motion of the material
-# below the base. bedrock: null means that the lowest soil continues below; for a rock motion describe the rock, in kg/m3 and m/s:
+# below the base, where the lowest soil continues. For the motion of a stiffer rock describe that, in kg/m3 and m/s:
 #   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500}}
-# base: no_slip, sides: free_slip is a rigid box, which reflects the waves
-walls: {{base: absorbing, sides: absorbing, bedrock: null}} #         REPLACE null if there is rock below
+walls: {{base: absorbing, sides: absorbing, bedrock: null}} # ASSUMED
 soil:
-  density: {density:g} # kg/m3                                         REPLACE
-  shear_wave_speed: {s_wave_speed:g} # m/s; or youngs_modulus in kPa          REPLACE
-  poisson_ratio: {poisson_ratio:g} #                                           REPLACE
-  cohesion: {cohesion:.1f} # kPa, at the peak                                REPLACE
-  friction_angle: {friction_angle:.1f} # degree, at the peak                       REPLACE
-  dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay
+{soil}
+  dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay  ASSUMED
   viscosity: 2.0 # Pa s, of debris above its yield stress; has little effect
   # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure soil is
-{layers}
-coupling:
-  S_R: 0.5 # residual over peak strength, from a shear box or ring shear test  REPLACE
-  # From the same test, m: displacement at the end of the peak and where the residual strength is reached (docs/model/softening.md)  REPLACE
+{layers}{water}coupling:
+  S_R: {ratio}
+  # From a shear test (docs/how-to/shear-tests.md), m: slip at the end of the peak and where the residual strength is reached
   # width: of the soil that yields before a slip surface forms, at least three spacings
-  softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}}
+  softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}} # ASSUMED
 # Damping ratio at two frequencies: the natural one of the ground with its layers ("column frequency" of sph info, to be looked at again
 # when the soil and the layers are final), and five times that; damping also slows blocks that have not failed
-damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} #           REPLACE when the soil is known
-motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
+damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # ASSUMED
+motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; the study scales it
 numerics:
-  spacing: {spacing:g} # m, {rows} whole rows over the height of the slope{in_cover}; try {finer:g} to see the effect of a finer spacing
+  spacing: {spacing:g} # m, {rows} whole rows over the height of the slope{in_cover}
+probes: {{A: crest_edge}} # to follow a building behind the crest: keep A, and add house: [x, elevation]
 """
 LAYERS_TEXT = """\
 # layers: # other soils, by depth, elevation or polygon; give only the keys that differ
-#   clay: {region: {kind: depth, top: 6.0, bottom: 9.0}, soil: {cohesion: 12.0, friction_angle: 19.0}, S_R: 0.6}"""
+#   clay: {region: {kind: depth, top: 6.0, bottom: 9.0}, soil: {cohesion: 12.0, friction_angle: 19.0}, S_R: 0.6}
+"""
 COVER_TEXT = """\
 layers: # the soil above is the cover; other layers by depth, elevation or polygon, with only the keys that differ
-  ground: # below the cover, whose thickness (m, vertically) decides the spacing
-    region: {{kind: depth, top: {cover:g}}}
-    soil: # REPLACE
-      {{density: {density:g}, shear_wave_speed: {s_wave_speed:g}, cohesion: {cohesion:g}, friction_angle: {friction_angle:g}}}"""
+  ground: # below the cover, whose thickness ({cover:g} m, vertically) decides the spacing
+    region: {{kind: below, file: rock.csv}}
+    soil: {soil} # ASSUMED
+"""
+WATER_TEXT = """\
+water: # carried: silt and clay that move faster than their water drains; by_place: sand and gravel, which drain as they move
+  {{pressure: carried, file: {file}}} # ASSUMED carried
+"""
 STUDY_TEXT = """\
-{study_schema}# How far does the slope move, depending on the shaking and on the residual strength of its soil?
-#   snakemake --cores 2 --configfile {study_word}
+{study_schema}# How far, when, how deep, and does a measure help?
+#   snakemake --cores 2 --configfile {study_word}      (or --config fidelity=coarse for a first look)
 study: {name}
 scene: {scene}
 fidelity: own
 second_fidelity: {second}
-grid:
-  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and 1.5 times that; add your design peak, e.g. "0.4g"
-  # For soil and layers without an S_R of their own; for one layer write layers.NAME.S_R. Soil with both residual_cohesion and
-  # residual_friction_angle does not feel S_R: vary those keys instead
-  S_R: ["0.3", "0.5", "0.7"]
-  # motion.file: [{record_here}, "another.csv"] # more records, as seen from the folder where you run the study
+grid: # every combination is run
+{grid}
 fidelities:
   coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look{at_coarse}
   own: {{}} # the scene as it is
-# What must the debris not reach, or the ground not move at? By the distance to the toe, or by x in the coordinates of the survey:
-# metrics: {{places: {{house: 15 beyond the toe}}}}
-# What would help? Each run is then made for the scene as it is and for each of these, here a lower water level, where the scene has one:
-# alternatives: {{drained: {{water: {{file: drained.csv}}}}}}
+# What must the debris not reach, or the ground not move at? By x as in {ground}, or "15 beyond the toe":
+{places}
+# What would help? Every run is made for the scene as it is and for each of these; take away "# " to add one. Files are as seen from here,
+# the folder where you run the study:
+{alternatives}
 """
 COMPARED = "coarse # repeats every run with coarser particles, which adds 0.4 of the time: the page then shows the effect; null: no"
 NOT_COMPARED = "null # coarser particles would hold the cover; add a fidelity with finer ones to see what they change"
+
+
+class Known(NamedTuple):
+    """What the user knows of a slope."""
+
+    ground: Path | tuple[float, float]  # file of a survey, or height (m) and angle (degree) of a plain slope
+    records: Sequence[Path]
+    component: str | None = None  # of records that hold several
+    unit: Unit | None = None  # of records that state none
+    peak: str | None = None  # acceleration to which the records are scaled, as a study has it
+    cover: float | None = None  # thickness of weak soil on stronger ground, m
+    soil: Mapping[str, float] = {}  # by ``UNITS``, with ``UNIT_WEIGHT`` for the density
+    water: float | Path | None = None  # depth below the ground, m, or the file of a line
+    places: Mapping[str, float | str] = {}  # x, m, or a distance beyond the toe
+    alternatives: Mapping[str, float] = {}  # drained: depth of the water, m; berm: its height, m
+
+    @property
+    def own_soil(self) -> dict[str, float]:
+        """The keys of the soil that were typed, in the units of the scene."""
+        density = {"density": _digits(1e3 * self.soil[UNIT_WEIGHT] / GRAVITY, 4)} if UNIT_WEIGHT in self.soil else {}
+        return density | {key: value for key, value in self.soil.items() if key != UNIT_WEIGHT}
+
+    @property
+    def whole_soil(self) -> dict[str, float]:
+        """The keys of the soil, placeholders for those that were not typed among them."""
+        known = PLACEHOLDERS | self.own_soil
+        return {key: known[key] for key in UNITS if key in known}
+
+    @property
+    def has_residual(self) -> bool:
+        """Whether the residual strength was typed."""
+        return any(key.startswith(RESIDUAL) for key in self.soil)
+
+    def of_layer(self, soil: Mapping[str, float]) -> dict[str, float]:
+        """The keys of a layer's soil: without residual strengths, which S_R would not vary, where the scene's soil has none."""
+        return {key: value for key, value in soil.items() if self.has_residual or not key.startswith(RESIDUAL)}
+
+
+class Written(NamedTuple):
+    """What was written, and what nobody typed."""
+
+    scene: Path
+    study: Path
+    assumed: list[str]
 
 
 class Rows(NamedTuple):
@@ -137,75 +234,333 @@ class Rows(NamedTuple):
         return self.own * PART // PARTS
 
 
-def write_new(ground: Path, record: Path, folder: Path, component: str | None = None, cover: float | None = None) -> tuple[Path, Path]:
-    """Write ``SCENE`` and ``STUDY``, named after it, into a folder, which is made; their paths.
+def new(
+    ground: Path | None,
+    slope: str | None,
+    records: Sequence[Path],
+    scale_to: str | None,
+    component: str | None,
+    unit: str | None,
+    cover: float | None,
+    soil: list[str] | None,
+    water: str | None,
+    place: list[str] | None,
+    alternative: list[str] | None,
+    folder: Path,
+) -> str:
+    """Write what is asked for on the command line; the files, what was assumed, and what to do next.  ValueError names the option."""
+    if (ground is None) == (slope is None):
+        raise ValueError("GROUND: give the file of a ground line, or --slope HEIGHT,ANGLE, and not both")
+    plain = parse_numbers(slope, "--slope") or ()
+    if slope is not None and len(plain) != 2:
+        raise ValueError(f"--slope {slope!r}: write a height (m) and an angle (degree), as 28,32")
+    known = Known(
+        (plain[0], plain[1]) if ground is None else ground,
+        records,
+        component,
+        parse_treatment(unit, None, None).get("unit"),
+        None if scale_to is None else _peak(scale_to),
+        cover,
+        _numbers(soil, "--soil"),
+        None if water is None else _depth(water),
+        parse_values(place, "--place"),
+        _numbers(alternative, "--alternative"),
+    )
+    scene, study, assumed = write_new(known, folder)
+    say(*(cover_words(scene) if cover is not None else ()))
+    next_ = f"next: sph check {shlex.quote(str(study))} --plot scene.png"
+    return "\n".join([f"{scene}, {study}", *(f"assumed: {each}" for each in assumed), next_])
 
-    ``component`` is the horizontal component of a record that holds several, as ``motion.component``; ``cover`` the thickness (m) of weak
-    soil on stronger ground, which then has the rows of particles that its run-out needs.
 
-    ValueError for a ground line, a record or a cover that cannot be used, where one of the files exists, and for a path that a line of
-    text cannot hold; nothing is left behind then.
+def _peak(text: str) -> str:
+    """A peak acceleration as a study has it: in g where it was typed so, else in m/s2."""
+    value = parse_acceleration(text, "--scale-to")
+    return text.replace(" ", "") if text.endswith("g") else f"{value:.4g}"
+
+
+def _numbers(texts: list[str] | None, option: str) -> dict[str, float]:
+    values = parse_values(texts, option)
+    for name, value in values.items():
+        if isinstance(value, str) or not math.isfinite(value):
+            raise ValueError(f"{option} {name}={value}: must be a number")
+    return {name: float(value) for name, value in values.items()}
+
+
+def _depth(text: str) -> float | Path:
+    try:
+        return float(text)
+    except ValueError:
+        return Path(text)
+
+
+def write_new(known: Known, folder: Path) -> Written:
+    """Write ``SCENE`` and ``STUDY``, named after it, and the ``LINES`` that they name into a folder, which is made.
+
+    A cover has the rows of particles that its run-out needs, a plain slope the ground before its toe that its debris may need.
+
+    ValueError for what cannot be used, where one of the files exists, and for a path that a line of text cannot hold; nothing is left
+    behind then.
     """
-    scene, study = folder / SCENE, folder / STUDY
-    for path in (scene, study):
-        if path.exists():
+    files = [folder / name for name in (SCENE, STUDY, *(f"{name}.csv" for name in LINES))]
+    given = [path for path in (known.ground, known.water, *known.records) if isinstance(path, Path)]
+    for path in files:
+        if path.exists() and (path.name in (SCENE, STUDY) or path not in given):
             raise ValueError(f"--out {folder}: {path} is there already; name another folder")
-    for path in (ground, record, folder.absolute()):
+    for path in (*given, folder.absolute()):
         if not str(path).isprintable():
             raise ValueError(f"{str(path)!r}: holds a character that cannot be printed, which a scene file cannot hold; rename it")
-    line, downhill = _ground(ground, cover or 0.0)
-    motion = read_record(record, component=component)
-    height = line.slope_height
-    if cover is not None and not 0.0 < cover < height:
-        raise ValueError(
-            f"--cover {cover:g}: must be above 0 and less than the height of the slope, {height:.4g} m; leave it out without one"
-        )
-    name = _name(folder.resolve())
-    facts: dict[str, Any] = PLACEHOLDER_SOIL | {
-        "scene_schema": _schema_line("scene", folder),
-        "study_schema": _schema_line("study", folder),
-        "name": quoted(name),
-        "title": quoted(f"Slope of {ground.name[:MAX_TITLE]} {PLACEHOLDER}"),
-        "scene": quoted(str(scene)),
-        "scene_word": shlex.quote(str(scene)),
-        "study_word": shlex.quote(str(study)),
-        "ground": quoted(os.path.relpath(ground, folder)),
-        "record": quoted(os.path.relpath(record, folder)),
-        "record_here": quoted(str(record)),
-        "file": f"file: {quoted(os.path.relpath(record, folder))}" + (f", component: {quoted(component)}" if component else ""),
-        "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
-        "downhill": downhill,
-        "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
-        "rest": PLACEHOLDER_SOIL["poisson_ratio"] / (1.0 - PLACEHOLDER_SOIL["poisson_ratio"]),
-        "width": _digits(WIDTH * height, 2),
-        "start": START,
-        "after": AFTER,
-        "peak": motion.peak,
-        "layers": COVER_TEXT.format(cover=cover, **GROUND) if cover else LAYERS_TEXT,
-        "amplitudes": ", ".join(f'"{factor * motion.peak:.3g}"' for factor in (0.5, 1.0, 1.5)),
-    }
-    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    _check(known)
+    new, made = [path for path in files if not path.exists()], [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        rows = Rows(ROWS)
-        _write(scene, SCENE_TEXT, facts | _of_rows(rows, line, cover))
-        if cover is not None and (rows := _enough(height, cover, cost(load_scene(scene)).seconds)) != Rows(ROWS):
-            _write(scene, SCENE_TEXT, facts | _of_rows(rows, line, cover))
-        load_scene(scene)
-        _write(study, STUDY_TEXT, facts | _of_rows(rows, line, cover))
+        return _written(known, folder)
     except BaseException:
-        for path in (scene, study):
+        for path in new:
             path.unlink(missing_ok=True)
         for path in made:
             with suppress(OSError):  # it was not made, or another program has put something there
                 path.rmdir()
         raise
-    return scene, study
 
 
-def _write(path: Path, text: str, facts: Mapping[str, Any]) -> None:
-    with whole(path) as temporary:
-        temporary.write_text(text.format(**facts), encoding="utf-8")
+def _check(known: Known) -> None:
+    """ValueError, by option, for what can be refused before any file is read."""
+    if not known.records:
+        raise ValueError("--record: is missing; give the file of a ground motion, or of several, each with --record")
+    if not isinstance(known.ground, Path):
+        height, angle = known.ground
+        if not (0.0 < height < math.inf and GENTLEST <= angle <= STEEPEST):
+            raise ValueError(
+                f"--slope {height:g},{angle:g}: must be a height above 0 m and an angle from {GENTLEST:g} to {STEEPEST:g} degree, as 28,32"
+            )
+    check_known("--soil", known.soil, (UNIT_WEIGHT, *list(UNITS)[1:]))
+    residual = [key for key in known.soil if key.startswith(RESIDUAL)]
+    if len(residual) == 1:
+        raise ValueError(
+            f"--soil {residual[0]}: give residual_cohesion and residual_friction_angle, or neither: then S_R times the peak is varied"
+        )
+    if not 10.0 <= known.soil.get(UNIT_WEIGHT, 20.0) <= 30.0:
+        raise ValueError(f"--soil {UNIT_WEIGHT}={known.soil[UNIT_WEIGHT]:g}: must be from 10 to 30 kN/m3, with its water")
+    check_known("--alternative", known.alternatives, ("drained", "berm"))
+    lowered = known.alternatives.get("drained")
+    if lowered is not None and known.water is None:
+        raise ValueError(f"--alternative drained={lowered:g}: there is no water to drain; give --water")
+    wet = known.water if isinstance(known.water, float) else 0.0
+    if not 0.0 <= wet < math.inf:
+        raise ValueError(f"--water {wet:g}: must be a depth below the ground, 0 m or more, or the file of a line")
+    if lowered is not None and not wet < lowered < math.inf:
+        raise ValueError(f"--alternative drained={lowered:g}: must be deeper below the ground than --water, {wet:g} m")
+    for record in known.records if len(known.records) > 1 else ():
+        try:
+            TypeAdapter(Value).validate_python(str(record))
+        except ValidationError as error:
+            raise ValueError(
+                f"--record {record}: several records are named as seen from this folder, by letters, digits and . _ + - /, none in a "
+                "folder above; copy or rename it"
+            ) from error
+
+
+class _Section(NamedTuple):
+    """The ground with what lies on it and below it."""
+
+    line: GroundLine
+    file: Path  # of the ground
+    lowered: float | None  # depth of the water of the alternative, m
+    berm_height: float  # m
+    berm: Berm | None
+
+    @property
+    def height(self) -> float:
+        """Of the slope, m."""
+        return self.line.slope_height
+
+    @property
+    def after(self) -> float:
+        """What is simulated after the end of the shaking, s."""
+        return AFTER * math.sqrt(self.height)
+
+
+def _written(known: Known, folder: Path) -> Written:
+    scene, study = folder / SCENE, folder / STUDY
+    section, rows = _section(known, folder), Rows(ROWS)
+    motions = [read_record(record, known.unit, known.component) for record in known.records]
+    longest, peak = max(float(motion.time[-1]) for motion in motions), motions[0].peak
+
+    def write(section: _Section, rows: Rows) -> list[str]:
+        facts = _of_rows(rows, section.line, known)
+        assumed = list(_assumed(known, section, facts))
+        facts |= _facts(known, section, folder) | {
+            "assumed": "\n".join(f"#   assumed: {each}" for each in assumed),
+            "grid": "\n".join(f"  {each}" for each in _grid(known, peak)),
+            "duration": math.ceil(START + longest + section.after),
+            "peak": peak,
+        }
+        for path, text in ((scene, SCENE_TEXT), (study, STUDY_TEXT)):
+            with whole(path) as temporary:
+                temporary.write_text(text.format(**facts), encoding="utf-8")
+        return assumed
+
+    if not isinstance(known.ground, Path):
+        write(section, rows)
+        weakest = load_scene(scene, {} if known.has_residual else {"coupling": {"S_R": float(RATIOS[0])}})
+        section = _section(known, folder, room_ahead(weakest))
+    if known.cover is not None:
+        write(section, rows)
+        rows = _enough(section.height, known.cover, cost(load_scene(scene)).seconds)
+    assumed = write(section, rows)
+    plan = load_study(study, check=False)
+    first = next(iter(plan.study.runs.values()))
+    for name in (BASE, *plan.study.alternatives):
+        plan.built(**(first | {ALTERNATIVE: name} if plan.study.alternatives else first))
+    return Written(scene, study, assumed)
+
+
+def _section(known: Known, folder: Path, ahead: float = 0.0) -> _Section:
+    """The ground, and the lines below and above it, which are written; a plain slope has at least this much ground before its toe, m."""
+    if isinstance(known.ground, Path):
+        file, points = known.ground, _read(known.ground)
+    else:
+        height, angle = known.ground
+        beyond = [beyond_toe(at, _ground(plain_slope(height, angle, height, height), folder, 0.0)) for at in known.places.values()]
+        ahead = max(ahead, AHEAD * height, *(each + height for each in beyond), 0.0)
+        file, points = folder / "ground.csv", plain_slope(height, angle, BEHIND * height, 5.0 * math.ceil(ahead / 5.0))
+    line, cover, wet, asked = _ground(points, file, known.cover or 0.0), known.cover, known.water, known.alternatives
+    height = line.slope_height
+    if cover is not None and not 0.0 < cover < height:
+        raise ValueError(
+            f"--cover {cover:g}: must be above 0 and less than the height of the slope, {height:.4g} m; leave it out without one"
+        )
+    lowered, high = asked.get("drained"), asked.get("berm", BERM * height)
+    if lowered is None and wet is not None:
+        lowered = max(cover or 0.0, 2.0 * wet, wet + 1.0) if isinstance(wet, float) else LOWERED * height
+    if not 0.0 < high < height:
+        raise ValueError(f"--alternative berm={high:g}: must be above 0 and less than the height of the slope, {height:.4g} m")
+    filled = None
+    try:
+        filled = berm(line, high)
+        for name, at in known.places.items():
+            if -filled.back < beyond_toe(at, line) < filled.foot:
+                raise ValueError(f"would cover {name}, with its foot {filled.foot:.3g} m beyond the toe; give a lower one")
+    except ValueError as error:
+        filled = None
+        if "berm" in asked:
+            raise ValueError(f"--alternative berm={high:g}: {error}") from error
+    lines = {
+        "ground": None if isinstance(known.ground, Path) else points,
+        "rock": None if cover is None else at_depth(points, cover),
+        "water": at_depth(points, wet) if isinstance(wet, float) else None,
+        "drained": None if lowered is None else at_depth(points, lowered),
+        "berm": filled and filled.ground,
+        "berm_fill": filled and filled.fill,
+    }
+    for name, drawn in lines.items():
+        if drawn:
+            _write_line(folder / f"{name}.csv", drawn)
+    return _Section(line, file, lowered, high, filled)
+
+
+def _grid(known: Known, peak: float) -> Iterator[str]:
+    """Lines of what the study varies."""
+    if known.peak is not None:
+        yield f'amplitude: ["{known.peak}"] # peak acceleration to which every record is scaled; add others, as "0.5g"'
+    elif len(known.records) == 1:
+        values = ", ".join(f'"{factor * peak:.3g}"' for factor in FACTORS)
+        yield f'amplitude: [{values}] # m/s2: half of the record\'s peak, the peak, and 1.5 times that; add your design peak, e.g. "0.4g"'
+    if len(known.records) > 1:
+        yield f"motion.file: [{', '.join(quoted(str(record)) for record in known.records)}] # as seen from here"
+    if not known.has_residual:
+        yield f"S_R: [{', '.join(map(quoted, RATIOS))}] # ASSUMED; for one layer write layers.NAME.S_R, or give residual strengths instead"
+
+
+def _facts(known: Known, section: _Section, folder: Path) -> dict[str, Any]:
+    """What the texts of scene and study have in braces, beside what depends on rows and records."""
+    line, soil, own = section.line, known.whole_soil, known.own_soil
+    replaced = all(key in own for key in FROM_TESTS)
+    title = (
+        f"Slope of {known.ground.name[:MAX_TITLE]}"
+        if isinstance(known.ground, Path)
+        else "Slope {:g} m high, {:g} degree".format(*known.ground)
+    )
+    record = {"file": os.path.relpath(known.records[0], folder), "component": known.component, "unit": known.unit}
+    water, places = known.water, ", ".join(f"{name}: {at if isinstance(at, str) else f'{at:.10g}'}" for name, at in known.places.items())
+    ratio = "1.0 # not felt: all soils have residual strengths"
+    if not known.has_residual:
+        ratio = "0.5 # residual over peak strength, from a shear box or ring shear test  ASSUMED"
+    return {
+        "scene_schema": _schema_line("scene", folder),
+        "study_schema": _schema_line("study", folder),
+        "study_word": shlex.quote(str(folder / STUDY)),
+        "scene": quoted(str(folder / SCENE)),
+        "name": quoted(_name(folder.resolve())),
+        "title": quoted(title if replaced else f"{title} {PLACEHOLDER}"),
+        "placeholder": "" if replaced else "; remove the words in brackets when the soil is yours",
+        "after": section.after,
+        "ground": quoted(os.path.relpath(section.file, folder)),
+        "downhill": line.downhill,
+        "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
+        "soil": "\n".join(f"  {key}: {value:.10g} # {UNITS[key]}{'' if key in own else '  ASSUMED'}" for key, value in soil.items()),
+        "rest": soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"]),
+        "layers": COVER_TEXT.format(cover=known.cover, soil=_flow(known.of_layer(ROCK))) if known.cover else LAYERS_TEXT,
+        "water": ""
+        if water is None
+        else WATER_TEXT.format(file=quoted("water.csv" if isinstance(water, float) else os.path.relpath(water, folder))),
+        "ratio": ratio,
+        "width": _digits(WIDTH * section.height, 2),
+        "start": START,
+        "file": ", ".join(f"{key}: {quoted(value)}" for key, value in record.items() if value),
+        "places": f"metrics: {{places: {{{places}}}}}" if places else "# metrics: {places: {house: 15 beyond the toe}}",
+        "alternatives": "\n".join(_alternatives(known, section, folder)),
+    }
+
+
+def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str]:
+    """Lines of the alternatives; of those that were not asked for as comments."""
+
+    def path(name: str) -> str:
+        return quoted(str(folder / f"{name}.csv"))
+
+    blocks = {
+        "drained": []
+        if section.lowered is None
+        else [f"  drained: {{water: {{file: {path('drained')}}}}} # {section.lowered:.3g} m below the ground"]
+    }
+    if section.berm is not None:
+        top, foot = section.berm.top, section.berm.foot
+        blocks["berm"] = [
+            f"  berm: # {section.berm_height:.3g} m high, {top:.3g} m wide at its top, its foot {foot:.3g} m beyond the toe",
+            f"    geometry: {{file: {path('berm')}}}",
+            "    layers:",
+            f"      berm: {{region: {{kind: polygon, file: {path('berm_fill')}}}, soil: {_flow(known.of_layer(FILL))}}} # ASSUMED",
+        ]
+    yield "alternatives:" if known.alternatives else "# alternatives:"
+    for name, block in blocks.items():
+        yield from (each if name in known.alternatives else f"# {each}" for each in block)
+
+
+def _assumed(known: Known, section: _Section, of_rows: Mapping[str, Any]) -> Iterator[str]:
+    """What decides the answer and was not typed."""
+    soil, own = known.whole_soil, known.own_soil
+    missing = [f"{key}: {value:g} {UNITS[key].split(',')[0].split(';')[0]}".strip() for key, value in soil.items() if key not in own]
+    if missing:
+        yield f"soil: {', '.join(missing)}"
+    if not known.has_residual:
+        yield f"residual strength: {', '.join(RATIOS)} of the peak (S_R)"
+    width, ratio = _digits(WIDTH * section.height, 2), soil["poisson_ratio"]
+    yield f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide (coupling.softening)"
+    yield f"K0 {ratio / (1.0 - ratio):.2f} by Poisson's ratio, no dilation, damping 3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz"
+    if known.cover is not None:
+        yield f"below the cover weathered rock: {_flow(known.of_layer(ROCK))[1:-1]}; the cover is as thick everywhere, before the toe, too"
+    scaled = "" if known.peak else ", not scaled to a design peak (--scale-to)"
+    yield f"each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded{scaled}"
+    if known.water is None:
+        yield "no water"
+    else:
+        follows = "; the water table follows the ground" if isinstance(known.water, float) else ""
+        yield f"moving soil keeps its pore pressure, as silt and clay (water.pressure: carried){follows}"
+    if "berm" in known.alternatives and section.berm is not None:
+        yield f"berm of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}"
+    if not isinstance(known.ground, Path):
+        yield f"level ground, {BEHIND * section.height:.4g} m behind the crest and {section.line.toe[0]:.4g} m before the toe"
 
 
 def _enough(height: float, cover: float, seconds: float) -> Rows:
@@ -231,14 +586,14 @@ def _enough(height: float, cover: float, seconds: float) -> Rows:
     return found._replace(compared=found.coarse >= needed)
 
 
-def _of_rows(rows: Rows, line: GroundLine, cover: float | None) -> dict[str, Any]:
+def _of_rows(rows: Rows, line: GroundLine, known: Known) -> dict[str, Any]:
     """What a scene and a study say of the rows of particles over the height of the slope, and of the base, which is a row."""
-    height, toe = line.slope_height, line.toe[1]
+    height, toe, cover = line.slope_height, line.toe[1], known.cover
     step = height * PARTS / rows.own  # whole rows at both spacings
     depth = math.ceil(toe / step * (1.0 - 1e-9)) * step
-    soils = [PLACEHOLDER_SOIL, GROUND] if cover else [PLACEHOLDER_SOIL]
+    soils = [known.whole_soil, ROCK] if cover else [known.whole_soil]
     thickness = [cover, depth + height - cover] if cover else [depth + height]
-    column = Column(*map(np.array, (thickness, *([soil[key] for soil in soils] for key in ("s_wave_speed", "density")))))
+    column = Column(*map(np.array, (thickness, *([each[key] for each in soils] for key in ("shear_wave_speed", "density")))))
     frequency = _digits(float(natural_frequencies(column)[0]), 3)
 
     def in_cover(number: int) -> str:
@@ -252,10 +607,7 @@ def _of_rows(rows: Rows, line: GroundLine, cover: float | None) -> dict[str, Any
         "in_cover": in_cover(rows.own),
         "second": COMPARED if rows.compared else NOT_COMPARED,
         "at_coarse": (", and to compare with" if rows.compared else ": its run-outs are lower bounds") + in_cover(rows.coarse),
-        **{
-            name: _digits(height / number, 6)
-            for name, number in (("spacing", rows.own), ("finer", FINER * rows.own), ("coarse", rows.coarse))
-        },
+        **{name: _digits(height / number, 6) for name, number in (("spacing", rows.own), ("coarse", rows.coarse))},
     }
 
 
@@ -271,6 +623,11 @@ def quoted(text: str) -> str:
     return yaml.safe_dump(text, default_style='"', allow_unicode=True, width=math.inf).rstrip("\n")
 
 
+def _flow(soil: Mapping[str, float]) -> str:
+    """A soil as YAML in a line."""
+    return f"{{{', '.join(f'{key}: {value:g}' for key, value in soil.items())}}}"
+
+
 def _name(folder: Path) -> str:
     """Name of the scene and of the study in a folder: its own, of the letters that a name may have."""
     name = "".join(letter if letter.isascii() and (letter.isalnum() or letter in "_.-") else "_" for letter in folder.name)[:60]
@@ -283,12 +640,16 @@ def _schema_line(name: str, folder: Path) -> str:
     return f"# yaml-language-server: $schema={os.path.relpath(schema, folder)}\n" if schema.is_file() else ""
 
 
-def _ground(path: Path, cover: float) -> tuple[GroundLine, str]:
-    """The ground with a base below it and as deep below a cover as that is thick, and the side to which its largest slope falls."""
+def _read(path: Path) -> list[Point]:
+    """The points of a ground line."""
     try:
-        points = read_line(path)
+        return read_line(path)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
+
+
+def _ground(points: Sequence[Point], path: Path, cover: float) -> GroundLine:
+    """The ground with a base below it and as deep below a cover as that is thick, and the side to which its largest slope falls."""
     lowest = min(y for _, y in points)
     found, refused = [], []
     for downhill in ("left", "right"):
@@ -296,12 +657,19 @@ def _ground(path: Path, cover: float) -> tuple[GroundLine, str]:
         try:
             line = validated(GroundLine, keys, str(path))
             base = lowest - max(DEPTH * line.slope_height, 2.0 * cover, 1.0)
-            found.append((validated(GroundLine, keys | {"base": base}, str(path)), downhill))
+            found.append(validated(GroundLine, keys | {"base": base}, str(path)))
         except ValueError as error:
             refused.append(str(error))
     if not found:
         raise ValueError(refused[0])
-    return max(found, key=lambda each: each[0].slope_height)
+    return max(found, key=lambda each: each.slope_height)
+
+
+def _write_line(path: Path, points: Sequence[Point]) -> None:
+    """Write points as a table that scenes read."""
+    with whole(path) as temporary:
+        rows = (f"{x:.10g},{y:.10g}" for x, y in points)
+        temporary.write_text("\n".join([f"# {LINES[path.stem]}", "x,elevation", *rows, ""]), encoding="utf-8")
 
 
 def _digits(value: float, digits: int) -> float:

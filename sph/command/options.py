@@ -125,6 +125,23 @@ def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
         raise ValueError(f"{option} {text!r}: write numbers with commas between them, e.g. 2,1") from error
 
 
+def parse_values(texts: list[str] | None, option: str) -> dict[str, float | str]:
+    """``["road=8,house=40"]`` as {"road": 8.0, "house": 40.0}, a value that is no number as its text; ValueError naming the option for
+    anything that is not NAME=VALUE, and for a name that is there twice."""
+    values: dict[str, float | str] = {}
+    for pair in ",".join(texts or ()).split(",") if texts else ():
+        name, equals, text = (part.strip() for part in pair.partition("="))
+        if not (name and equals and text):
+            raise ValueError(f"{option} {pair!r}: write NAME=VALUE, and several with commas between them")
+        if name in values:
+            raise ValueError(f"{option} {pair!r}: {name} is given twice; give it once")
+        try:
+            values[name] = float(text)
+        except ValueError:
+            values[name] = text
+    return values
+
+
 def parse_acceleration(text: str, option: str) -> float:
     """``"2.5 m/s2"`` or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, a bare number among it, and unless positive
     and finite."""

@@ -32,7 +32,10 @@ def check_probe(probe: str, scene: Scene, where: str) -> None:
     """ValueError beginning with ``where`` for a probe to be measured that a scene lacks."""
     if probe not in scene.probes:
         known = ", ".join(scene.probes) or "none"
-        raise ValueError(f"{where}: metrics.probe: {probe!r} is not one of the scene's probes ({known})")
+        raise ValueError(
+            f"{where}: metrics.probe: {probe!r} is not one of the scene's probes ({known}); name one of these in the study's metrics, or "
+            f"add {probe} to the scene's probes, as A: crest_edge, beside the others"
+        )
 
 
 def _speed(run: Run, frame: int) -> np.ndarray:

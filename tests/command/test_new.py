@@ -6,6 +6,7 @@ import json
 import shlex
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -15,7 +16,7 @@ import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER
 from sph.command.cli import app
-from sph.command.new import write_new
+from sph.command.new import Known, Written, write_new
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.study.cost import cost
@@ -28,6 +29,10 @@ STEEP = ROOT / "config" / "ground" / "steep_cut.geojson"
 RECORD = ROOT / "config" / "motions" / "synthetic.csv"
 
 
+def written(folder: Path, ground: Path = GROUND, record: Path = RECORD, **known: Any) -> Written:
+    return write_new(Known(ground, [record], **known), folder)
+
+
 def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", "own"])
@@ -36,7 +41,7 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert scene.scheme == "resolved" and scene.coupling.softening is not None
     assert scene.geometry.slope_height / scene.numerics.spacing == pytest.approx(20, 1e-5)  # type: ignore[union-attr]
     assert scene.motion.start + 16.0 < scene.duration  # type: ignore[union-attr]
-    assert "not replaced" in scene.title and (tmp_path / "own" / "scene.yaml").read_text().count("REPLACE") >= 7
+    assert "not replaced" in scene.title and (tmp_path / "own" / "scene.yaml").read_text().count("ASSUMED") >= 9
     plan = load_study(yaml.safe_load((tmp_path / "own" / "study.yaml").read_text()), [tmp_path])
     assert len(plan.study.runs) == 9 and plan.study.names == ["S_R", "amplitude"]
     coarse = CliRunner().invoke(app, ["check", "own/scene.yaml", "--set", "numerics.spacing=1.64667"])
@@ -68,7 +73,7 @@ def test_a_cover_has_the_rows_that_its_run_out_needs(tmp_path: Path, monkeypatch
     checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
     found = {each["code"] for each in json.loads(checked.stdout)["findings"] if each["severity"] != "note"}
     assert found == {"soil-not-replaced"}
-    thick = load_scene(write_new(GROUND, RECORD, Path("thick"), cover=6.0)[0])
+    thick = load_scene(written(Path("thick"), cover=6.0).scene)
     assert thick.geometry.slope_height / thick.numerics.spacing == pytest.approx(20, 1e-5)  # type: ignore[union-attr]
 
 
@@ -98,7 +103,7 @@ def test_a_cover_that_is_none_is_refused(tmp_path: Path, thickness: str) -> None
 
 
 def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
-    scene, study = write_new(GROUND, RECORD, tmp_path)
+    scene, study, _ = written(tmp_path)
     keys = yaml.safe_load(scene.read_text(encoding="utf-8"))
     assert keys["walls"] == {"base": "absorbing", "sides": "absorbing", "bedrock": None} and keys["soil"]["dilation_angle"] == 0.0
     assert set(keys["coupling"]["softening"]) == {"slip_at_peak", "slip_at_residual", "width"}
@@ -108,21 +113,21 @@ def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
 
 
 def test_the_damping_fits_the_column_that_sph_info_names(tmp_path: Path) -> None:
-    written = load_scene(write_new(GROUND, RECORD, tmp_path)[0])
+    scene = load_scene(written(tmp_path).scene)
     told = CliRunner().invoke(app, ["info", str(tmp_path / "scene.yaml")]).output
-    assert written.damping is not None and f"{written.damping.frequencies[0]:.3g} Hz below the crest edge" in told
-    assert written.damping.frequencies[1] == pytest.approx(5.0 * written.damping.frequencies[0])
+    assert scene.damping is not None and f"{scene.damping.frequencies[0]:.3g} Hz below the crest edge" in told
+    assert scene.damping.frequencies[1] == pytest.approx(5.0 * scene.damping.frequencies[0])
 
 
 def test_rock_below_is_described_as_the_comment_says(tmp_path: Path) -> None:
-    path, _ = write_new(GROUND, RECORD, tmp_path)
+    path = written(tmp_path).scene
     (rock,) = (line.strip("# ") for line in path.read_text(encoding="utf-8").splitlines() if "s_wave_speed: 800" in line)
     bedrock = load_scene(path, {"walls": yaml.safe_load(rock)}).walls.bedrock
     assert bedrock is not None and (bedrock.density, bedrock.s_wave_speed, bedrock.p_wave_speed) == (2300.0, 800.0, 1500.0)
 
 
 def test_editors_find_the_schemas(tmp_path: Path) -> None:
-    for path in write_new(GROUND, RECORD, tmp_path):
+    for path in written(tmp_path)[:2]:
         first = path.read_text(encoding="utf-8").splitlines()[0]
         assert first.startswith("# yaml-language-server: $schema=")
         schema = json.loads((tmp_path / first.partition("$schema=")[2]).read_text(encoding="utf-8"))
@@ -130,17 +135,16 @@ def test_editors_find_the_schemas(tmp_path: Path) -> None:
 
 
 def test_the_side_to_which_the_slope_falls_is_found(tmp_path: Path) -> None:
-    scene, _ = write_new(STEEP, RECORD, tmp_path / "steep")
-    assert load_scene(scene).geometry.downhill == "right"  # type: ignore[union-attr]
+    assert load_scene(written(tmp_path / "steep", STEEP).scene).geometry.downhill == "right"  # type: ignore[union-attr]
 
 
 def test_a_hillside_that_rises_to_the_end_of_the_line_is_told(tmp_path: Path) -> None:
     """Beside the key by which the crest of its steeper face is chosen."""
     line = tmp_path / "ground.csv"
     line.write_text("x,z\n0,100\n40,100\n60,120\n140,150\n")
-    text = write_new(line, RECORD, tmp_path / "own")[0].read_text(encoding="utf-8")
+    text = written(tmp_path / "own", line).scene.read_text(encoding="utf-8")
     assert "  # the slope goes on to the side of the model" in text and "change geometry.crest_at=[60, 120]" in text
-    assert "goes on" not in write_new(GROUND, RECORD, tmp_path / "other")[0].read_text(encoding="utf-8")
+    assert "the slope goes on" not in written(tmp_path / "other").scene.read_text(encoding="utf-8")
 
 
 def test_nothing_is_overwritten_and_bad_files_are_refused(tmp_path: Path) -> None:
@@ -178,13 +182,13 @@ def test_names_come_back_as_they_were(tmp_path: Path, monkeypatch: pytest.Monkey
     for path, source in ((survey, GROUND), (motion, RECORD)):
         path.parent.mkdir()
         shutil.copy(source, path)
-    scene, study = write_new(survey, motion, folder)
+    scene, study, _ = written(folder, survey, motion)
     keys, planned = (yaml.safe_load(path.read_text(encoding="utf-8")) for path in (scene, study))
     assert (folder / keys["geometry"]["file"]).samefile(survey) and (folder / keys["motion"]["file"]).samefile(motion)
     assert Path(planned["scene"]) == scene and name[:100] in keys["title"] and PLACEHOLDER in load_scene(scene).title
     assert len(load_study(planned, [tmp_path]).study.runs) == 9
     command = next(line for line in scene.read_text(encoding="utf-8").splitlines() if "sph check" in line)
-    assert shlex.split(command)[1:4] == ["sph", "check", str(scene)]
+    assert shlex.split(command.partition("look at it:")[2])[:3] == ["sph", "check", str(study)]
 
 
 def test_the_study_has_the_name_of_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -192,18 +196,18 @@ def test_the_study_has_the_name_of_its_folder(tmp_path: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     names = {}
     for folder in ("north", "south-2", "007", "true", "...", "Süd"):
-        scene, study = write_new(GROUND, RECORD, Path(folder))
+        scene, study, _ = written(Path(folder))
         names[folder] = yaml.safe_load(study.read_text(encoding="utf-8"))["study"]
         assert load_scene(scene).name == names[folder] == load_study(yaml.safe_load(study.read_text()), [tmp_path]).study.study
     assert names == {"north": "north", "south-2": "south-2", "007": "007", "true": "true", "...": "slope...", "Süd": "S_d"}
     here = tmp_path / "here"
     here.mkdir()
     monkeypatch.chdir(here)
-    assert load_scene(write_new(GROUND, RECORD, Path())[0]).name == "here"
+    assert load_scene(written(Path()).scene).name == "here"
 
 
 def test_a_refusal_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(path: Path) -> None:
+    def refuse(*_: Any, **__: Any) -> None:
         raise ValueError("refused after it was written")
 
     (tmp_path / "mine").mkdir()
@@ -211,14 +215,101 @@ def test_a_refusal_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.Mon
     (tmp_path / "line\nbreak.csv").write_text(GROUND.read_text())
     before = sorted(tmp_path.rglob("*"))
     with pytest.raises(ValueError, match="cannot be printed"):
-        write_new(tmp_path / "line\nbreak.csv", RECORD, tmp_path / "a")
-    monkeypatch.setattr("sph.command.new.load_scene", refuse)
+        written(tmp_path / "a", tmp_path / "line\nbreak.csv")
+    monkeypatch.setattr("sph.command.new.load_study", refuse)
     for folder in (tmp_path / "a" / "b" / "c", tmp_path / "mine" / "new", tmp_path / "mine"):
         with pytest.raises(ValueError, match="refused after"):
-            write_new(GROUND, RECORD, folder)
+            written(folder)
     assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_the_version_is_printed() -> None:
     assert CliRunner().invoke(app, ["--version"]).stdout == f"sph {sph.__version__}\n"
     assert CliRunner().invoke(app, ["-h"]).stdout == CliRunner().invoke(app, ["--help"]).stdout
+
+
+KNOWN = shlex.split(
+    "--slope 28,32 --cover 4 --water 2.5 --record A.csv --record B.csv --scale-to 0.35g --place path=8,house=40 "
+    "--soil unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,residual_friction_angle=20"
+)
+
+
+@pytest.fixture
+def records(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("A.csv", "B.csv"):
+        shutil.copy(RECORD, name)
+
+
+@pytest.mark.usefixtures("records")
+def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
+    """All that was typed is in it, nothing of it is assumed, and its checks have nothing against it."""
+    told = CliRunner().invoke(app, ["new", *KNOWN, "--alternative", "drained=5,berm=5", "--out", "own"])
+    assert told.exit_code == 0, told.output
+    scene, plan = load_scene("own/scene.yaml"), load_study(Path("own/study.yaml"))
+    geometry = scene.geometry
+    assert (geometry.slope_height, geometry.downhill) == (pytest.approx(28.0), "right")  # type: ignore[union-attr]
+    assert scene.soil.density * 9.81e-3 == pytest.approx(19.0, rel=1e-3) and (scene.soil.cohesion, scene.soil.residual_friction_angle) == (
+        6,
+        20,
+    )
+    (cover,) = covers(scene)
+    assert cover.thickness == pytest.approx(4.0) and not cover.short and scene.early_stop is not None
+    assert scene.duration > scene.motion.end + 20.0  # type: ignore[union-attr]
+    assert plan.study.values == {"amplitude": ("3.4335",), "motion.file": ("A.csv", "B.csv"), "alternative": ("base", "drained", "berm")}
+    assert plan.study.metrics.places == {"path": 8.0, "house": 40.0} and plan.study.second_fidelity == "coarse"
+    lines = [line for line in told.stdout.splitlines() if line.startswith("assumed: ")]
+    text = Path("own/scene.yaml").read_text()
+    assert len(lines) >= 7 and all(f"#   {line}\n" in text for line in lines)
+    marked = {line.split(":")[0].strip(): line.endswith("ASSUMED") for line in text.splitlines() if not line.startswith("#")}
+    assert not marked["density"] and not marked["residual_friction_angle"] and marked["shear_wave_speed"] and marked["softening"]
+    checked = CliRunner().invoke(app, ["check", "own/study.yaml", "--json"])
+    kinds = json.loads(checked.stdout)
+    assert checked.exit_code == 0 and not [each for each in kinds["findings"] if each["severity"] != "note"]
+    assert not [each for section in kinds["alternatives"].values() for each in section if each["severity"] == "error"]
+
+
+@pytest.mark.usefixtures("records")
+def test_alternatives_that_nobody_named_are_ready_to_be_added() -> None:
+    """Their lines are there, and the comments become keys by taking away the mark."""
+    told = CliRunner().invoke(app, ["new", *KNOWN, "--out", "own"])
+    study = Path("own/study.yaml")
+    assert told.exit_code == 0 and load_study(study).study.alternatives == {}
+    text = study.read_text()
+    begin = text.index("# alternatives:")
+    study.write_text(text[:begin] + text[begin:].replace("# ", "", 1).replace("\n# ", "\n"))
+    plan = load_study(study)
+    assert set(plan.study.alternatives) == {"drained", "berm"} and len(plan.study.runs) == 6
+
+
+@pytest.mark.usefixtures("records")
+def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
+    for arguments, message in (
+        (["--slope", "28,95"], "--slope 28,95: must be a height above 0 m and an angle from 5 to 80 degree"),
+        (["--slope", "28"], "write a height (m) and an angle"),
+        (["--soil", "c=5"], "--soil: 'c' is not"),
+        (["--soil", "residual_cohesion=1"], "give residual_cohesion and residual_friction_angle, or neither"),
+        (["--soil", "unit_weight=1900"], "--soil unit_weight=1900: must be from 10 to 30 kN/m3"),
+        (["--soil", "cohesion=high"], "--soil cohesion=high: must be a number"),
+        (["--soil", "cohesion"], "--soil 'cohesion': write NAME=VALUE"),
+        (["--scale-to", "0.35"], "has no unit; write 0.35g or 0.35 m/s2"),
+        (["--place", "house=400,house=30"], "house is given twice"),
+        (["--place", "house=-60"], "must lie in front of the crest edge"),
+        (["--alternative", "wall=3"], "--alternative: 'wall' is not"),
+        (["--alternative", "drained=3"], "there is no water to drain; give --water"),
+        (
+            ["--alternative", "drained=1", "--water", "2"],
+            "drained=1: must be deeper below the ground than --water, 2 m",
+        ),
+        (["--alternative", "berm=8", "--place", "path=3"], "--alternative berm=8: would cover path"),
+        (["--cover", "30"], "--cover 30: must be above 0 and less than the height of the slope, 28 m"),
+        (["--record", str(RECORD)], "several records are named as seen from this folder"),
+        ([str(GROUND)], "give the file of a ground line, or --slope HEIGHT,ANGLE, and not both"),
+    ):
+        own = [] if "--slope" in arguments else ["--slope", "28,32"]
+        told = CliRunner().invoke(app, ["new", *own, *arguments, "--record", "A.csv", "--out", "own"])
+        assert told.exit_code == 2 and message in told.stderr, (arguments, told.output)
+        assert not Path("own").exists()
+    told = CliRunner().invoke(app, ["new", "--slope", "28,32"])
+    assert told.exit_code == 2 and "--record: is missing" in told.stderr

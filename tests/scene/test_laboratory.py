@@ -86,12 +86,12 @@ def test_without_either_the_refusal_names_both() -> None:
 
 
 def test_sph_new_writes_the_speed(tmp_path: Path) -> None:
-    from sph.command.new import write_new
+    from sph.command.new import Known, write_new
 
     ground = tmp_path / "ground.csv"
     ground.write_text("x,elevation\n0,0\n60,0\n90,20\n160,20\n")
     record = ROOT / "config" / "motions"
-    scene, _ = write_new(ground, record / "synthetic.csv", tmp_path / "new")
+    scene = write_new(Known(ground, [record / "synthetic.csv"]), tmp_path / "new").scene
     assert yaml.safe_load(scene.read_text(encoding="utf-8"))["soil"]["shear_wave_speed"] == 250
 
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sph.command.new import write_new
+from sph.command.new import Known, write_new
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
 from sph.scene.survey import HIGHEST, LOWEST, NODATA, read_line, read_outline
@@ -342,7 +342,7 @@ def test_every_refusal_names_the_file_and_the_row(tmp_path: Path) -> None:
             with pytest.raises(ValueError, match=rf"line\.csv: {row}"):
                 validated(section, {"file": str(file)} | keys, "scene.yaml")
         with pytest.raises(ValueError, match=rf"line\.csv: {row}"):
-            write_new(file, file, tmp_path / "out")
+            write_new(Known(file, [file]), tmp_path / "out")
     file.write_text("x,z\n0,1\n9,2\n9,3\n")
     with pytest.raises(ValueError, match=r"line\.csv: line 4.*vertical"):
         validated(Water, {"file": str(file), "pressure": "by_place"}, "scene.yaml")
