@@ -273,9 +273,9 @@ def new(
 
 
 def _peak(text: str) -> str:
-    """A peak acceleration as a study has it: in g where it was typed so, else in m/s2."""
+    """A peak acceleration with its unit, as a study has it: in g where it was typed so, else in m/s2."""
     value = parse_acceleration(text, "--scale-to")
-    return text.replace(" ", "") if text.endswith("g") else f"{value:.4g}"
+    return text.replace(" ", "") if text.endswith("g") else f"{value:.4g}m/s2"
 
 
 def _numbers(texts: list[str] | None, option: str) -> dict[str, float]:
@@ -550,8 +550,10 @@ def _assumed(known: Known, section: _Section, of_rows: Mapping[str, Any]) -> Ite
     yield f"K0 {ratio / (1.0 - ratio):.2f} by Poisson's ratio, no dilation, damping 3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz"
     if known.cover is not None:
         yield f"below the cover weathered rock: {_flow(known.of_layer(ROCK))[1:-1]}; the cover is as thick everywhere, before the toe, too"
-    scaled = "" if known.peak else ", not scaled to a design peak (--scale-to)"
-    yield f"each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded{scaled}"
+    yield "each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded"
+    if known.peak is None:
+        times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
+        yield f"peak acceleration as recorded{times} (--scale-to)"
     if known.water is None:
         yield "no water"
     else:

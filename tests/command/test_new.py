@@ -273,7 +273,7 @@ def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
 @pytest.mark.usefixtures("records")
 def test_alternatives_that_nobody_named_are_ready_to_be_added() -> None:
     """Their lines are there, and the comments become keys by taking away the mark."""
-    told = CliRunner().invoke(app, ["new", *KNOWN, "--out", "own"])
+    told = CliRunner().invoke(app, ["new", *KNOWN, "--scale-to", "0.35 m/s2", "--out", "own"])
     study = Path("own/study.yaml")
     assert told.exit_code == 0 and load_study(study).study.alternatives == {}
     text = study.read_text()
