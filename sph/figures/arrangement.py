@@ -163,7 +163,8 @@ def draw_failed(ax: Axes, run: Run) -> list[Artist]:
     if stays.any():
         dark = np.array([np.dot(colour[:3], GREYS) < PALE for colour in layer_colours(run.scene)])[run["layer"]]
         for there, colour in ((stays & dark, "white"), (stays & ~dark, "black")):
-            _draw_particles(ax, run, there, DOT, {"facecolor": colour, "linewidth": 0.0})
+            if there.any():
+                _draw_particles(ax, run, there, DOT, {"facecolor": colour, "linewidth": 0.0})
         entries.append(
             Line2D([], [], color="black", linestyle=":", linewidth=2.0, label="SPH (dots): has reached its strength, but moved less")
         )

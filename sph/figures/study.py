@@ -30,8 +30,6 @@ COLUMNS = 3
 """Most panels side by side."""
 MAX_TICKS = 5
 """Most accelerations that an axis names one by one, in m/s2 and g."""
-MARGIN = 0.15
-"""Room beside the outer ones of these, over their span, so that the names of panels side by side do not meet."""
 MAX_PANELS = 9
 """Most panels into which a grid is split; of a larger one every run is drawn against each dimension instead."""
 NUMBERED = 15
@@ -209,7 +207,6 @@ def _places(ax: Axes, axis: str, dimension: Dimension, table: pd.DataFrame, cell
     at = {word: float(word) for word in words}
     if labels != words and len(words) <= MAX_TICKS:
         getattr(ax, f"set_{axis}ticks")(list(at.values()), labels)
-        ax.margins(**{axis: MARGIN})
     if min(at.values()) > 0 and max(at.values()) >= LOG_FROM * min(at.values()):
         getattr(ax, f"set_{axis}scale")("log")
     return at
