@@ -57,7 +57,7 @@ onstart:
         CATALOGUE.write()
         if any(job.rule.name == "check" for job in workflow.dag.needrun_jobs()):
             look_first(
-                {name: run.built for name, run in looked_at().items()},
+                {name: run.built for name, run in looked_at(PLAN).items()},
                 PLAN.study.on_error == "stop",
             )
         for figure, reason in PLAN.study.left_out.items():

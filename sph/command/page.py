@@ -13,13 +13,16 @@ from sph.command.status import REFRESH, Stand, State, look_at, look_beside
 from sph.command.study import find_study
 from sph.experiments.study_row import run_values
 from sph.jobs.ahead import finished
+from sph.jobs.log import read_log
 from sph.measures.metrics import Value
 from sph.output.run import Run
-from sph.page.answer import FINDINGS
+from sph.page.answer import CHECKED, FINDINGS
 from sph.page.build import Missing, StudyFiles, write_page
 from sph.storage import trajectory
 from sph.study.dimensions import CASE
 from sph.study.plan import Plan
+from sph.study.planned import digest, planned
+from sph.study.preflight import looked_at
 from sph.study.tables import study_rows, write_csv
 
 PAGE, TABLE = "so_far.html", "so_far.csv"
@@ -38,6 +41,7 @@ class SoFar:
         self.folder = os.path.relpath(base / plan.folder)
         self.missing: dict[str, Missing] = {name: Missing(point, Stand.WAITING) for name, point in plan.study.runs.items()}
         self._measured: dict[Path, tuple[str, dict[str, Value]]] = {}
+        self._slopes = digest({name: planned(run.scene) for name, run in looked_at(plan).items()})
         self._searches = {search.file: search for search in plan.searches.values()}
         self._written: object = None
 
@@ -54,9 +58,10 @@ class SoFar:
         done = {name: _path(state, base) for name, state in states.items() if state.state == Stand.DONE and _path(state, base).exists()}
         self.missing = {name: Missing(study.runs[name], _stand(state)) for name, state in states.items() if name not in done}
         searches = [state for state in look_at(list(self._searches.values()), base) if state.state == Stand.DONE]
-        preflight = base / "results" / study.study / FINDINGS.format(fidelity=study.fidelity)
-        files = [os.path.relpath(path) for path in (preflight, *(_path(state, base) for state in searches)) if path.is_file()]
+        files = [os.path.relpath(path) for path in (*self._found(), *(_path(state, base) for state in searches)) if path.is_file()]
         new = (list(done), files)
+        if not done:
+            Path(self.folder, PAGE).unlink(missing_ok=True)  # of runs that are not those planned now
         if not done or new == self._written:
             return False
         yields = {state.job.run.file: float(trajectory.read(_path(state, base)).attrs["value"]) for state in searches}
@@ -79,6 +84,15 @@ class SoFar:
         )  # fmt: skip
         self._written = new
         return True
+
+    def _found(self) -> list[Path]:
+        """The tables of what was found in the scenes that are planned now; one of other scenes is left out."""
+        study, found = self.plan.study, list[Path]()
+        for pattern, job in ((FINDINGS, "preflight"), (CHECKED, "check")):
+            log = read_log(self._base / self.plan.folder / "logs" / f"{job}.log")
+            if log and log.of == self._slopes:
+                found.append(self._base / "results" / study.study / pattern.format(fidelity=study.fidelity))
+        return found
 
     def _values(self, path: Path, yield_acceleration: float) -> dict[str, Value]:
         """The columns of a run; measured again where its file or its yield acceleration is another one."""

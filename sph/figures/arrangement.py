@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Patch, Polygon, Rectangle
+from matplotlib.patheffects import withStroke
 
 from sph.checks.equilibrium import found_equilibrium
 from sph.figures.history import shade_shaking
@@ -45,6 +46,12 @@ SURFACE_COLOUR = "#6a0d83"
 FAILED_COLOUR = "#b2182b"
 MOVED = AREA_THRESHOLDS["area_moved_50cm"]
 """Displacement of failed soil that has slid, m."""
+DOT = 0.5
+"""Diameter of the dots of failed soil that stays, over the spacing."""
+GREYS, PALE = (0.30, 0.59, 0.11), 0.5
+"""Weights of a colour in its grey, and the grey from which on they are black."""
+TOLD = 0.01
+"""Share of a layer from which it is told that it fails and stays."""
 LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
 NAMED = 0.12
@@ -120,30 +127,54 @@ def draw_surfaces(ax: Axes, equilibrium: LimitEquilibrium | None) -> list[Line2D
         surface = getattr(equilibrium, name, None)
         if surface is not None and surface.x.size:
             label = f"critical surface, {name.capitalize()}: F = {surface.value:.2f}"
-            drawn += ax.plot(surface.x, surface.y, color=SURFACE_COLOUR, linewidth=1.1, linestyle=style, zorder=3, label=label)
+            halo = [withStroke(linewidth=2.2, foreground="white")]  # on failed soil
+            drawn += ax.plot(
+                surface.x, surface.y, color=SURFACE_COLOUR, linewidth=1.1, linestyle=style, zorder=3, label=label, path_effects=halo
+            )
     return drawn
 
 
-def draw_failed(ax: Axes, run: Run) -> list[Patch]:
-    """The soil that has failed by the end of a run, where it lies before the shaking, apart where it has hardly moved: soil and rock may
-    reach their strength, and lose it, without a slip surface.  Returns their entries of a legend, of what there is."""
+def failed_soil(run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Which particles (n,) have failed by the end of a run and slid away, and which have failed and stay: soil and rock may reach their
+    strength, and lose it, without a slip surface."""
     failed = run.soil & (run["failed"][-1] == 1)
     moved = np.hypot(*run.displacement()) > MOVED
-    looks: tuple[tuple[np.ndarray, str, dict[str, Any]], ...] = (
-        (failed & moved, f"SPH: failed, and moved by more than {MOVED:g} m", {"facecolor": FAILED_COLOUR, "alpha": 0.55, "linewidth": 0.0}),
-        (
-            failed & ~moved,
-            "SPH: has reached its strength, but moved less",
-            {"facecolor": "none", "edgecolor": FAILED_COLOUR, "linewidth": 0.5},
-        ),
-    )
-    entries = []
-    for there, label, look in looks:
-        if there.any():
-            x, y = (run[axis][run.gravity_frame, there] for axis in "xy")
-            draw_circles(ax, x, y, run.scene.numerics.spacing, zorder=2.5, **look)
-            entries.append(Patch(label=label, **look))
+    return failed & moved, failed & ~moved
+
+
+def stays_words(run: Run) -> str:
+    """How much of the layers has failed and stays, in a sentence, where it is more than ``TOLD`` of one; nothing where there is none."""
+    _, stays = failed_soil(run)
+    layers = {name: run.soil & (run["layer"] == number) for number, name in enumerate(run.scene.soil_names)}
+    shares = {name: float(stays[layer].mean()) for name, layer in layers.items() if layer.any()}
+    told = [f"{100.0 * share:.0f} % of the {name.replace('_', ' ')}" for name, share in shares.items() if share > TOLD]
+    return f"Has reached its strength, but moved by less than {MOVED:g} m: {', '.join(told)}." if told else ""
+
+
+def draw_failed(ax: Axes, run: Run) -> list[Artist]:
+    """The soil that has failed by the end of a run, where it lies before the shaking: filled where it slides away, dots where it stays,
+    which differ in print and at any size.  Returns their entries of a legend, of what there is."""
+    slides, stays = failed_soil(run)
+    fill: Any = {"facecolor": FAILED_COLOUR, "alpha": 0.75, "linewidth": 0.0}
+    entries: list[Artist] = []
+    if slides.any():
+        _draw_particles(ax, run, slides, 1.0, fill)
+        entries.append(Patch(label=f"SPH: failed, and moved by more than {MOVED:g} m", **fill))
+    if stays.any():
+        dark = np.array([np.dot(colour[:3], GREYS) < PALE for colour in layer_colours(run.scene)])[run["layer"]]
+        for there, colour in ((stays & dark, "white"), (stays & ~dark, "black")):
+            if there.any():
+                _draw_particles(ax, run, there, DOT, {"facecolor": colour, "linewidth": 0.0})
+        entries.append(
+            Line2D([], [], color="black", linestyle=":", linewidth=2.0, label="SPH (dots): has reached its strength, but moved less")
+        )
     return entries
+
+
+def _draw_particles(ax: Axes, run: Run, there: np.ndarray, size: float, look: Mapping[str, Any]) -> None:
+    """Particles where they lie before the shaking, in a ``size`` over the spacing."""
+    x, y = (run[axis][run.gravity_frame, there] for axis in "xy")
+    draw_circles(ax, x, y, size * run.scene.numerics.spacing, zorder=2.5, **look)
 
 
 def draw_seams(ax: Axes, scene: Scene) -> None:
@@ -165,7 +196,7 @@ def draw_ground(ax: Axes, scene: Scene) -> None:
 
 
 def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
-    """The phreatic line, over the width of the box, with its name if wanted; nothing for a dry scene or a ratio r_u."""
+    """The phreatic line, over the width of the box, with its name above the ground if wanted; nothing for a dry scene or a ratio r_u."""
     if scene.water is None or scene.water.r_u is not None:
         return
     inside = scene.geometry.in_box(scene.water.line[:, 0], scene.water.line[:, 1])[0]
@@ -174,8 +205,8 @@ def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
     ax.plot(x, surface, color="tab:blue", linewidth=0.9, linestyle="--", zorder=3)
     if named:
         right = -1 if scene.geometry.direction > 0 else 0  # end of the line, as it is drawn
-        place = x[right], surface[right]
-        ax.annotate("water", place, (-4, -4), textcoords="offset points", ha="right", va="top", color="tab:blue", size="small")
+        place = x[right], max(surface[right], float(scene.geometry.ground(x[right : right + 1 or None])[0]))
+        ax.annotate("water", place, (-4, 2), textcoords="offset points", ha="right", va="bottom", color="tab:blue", size="small")
 
 
 def mark_places(

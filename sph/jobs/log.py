@@ -79,6 +79,7 @@ class Log(NamedTuple):
     left: float | None  # wall time left at its last line, s; None where that is not known
     reason: str | None  # why it failed, None while it has not
     age: float  # since its last line, s
+    of: str  # digest of what the job was given; nothing where its log does not tell
 
 
 def read_log(path: Path) -> Log | None:
@@ -90,7 +91,7 @@ def read_log(path: Path) -> Log | None:
     last = {record[RECORD]: record for record in map(_record, text.splitlines()) if record}
     process, progress, failed = (last.get(kind, {}) for kind in (PROCESS, PROGRESS, FAILED))
     started = Process(process["machine"], process["number"], process["started"]) if process else None
-    return Log(started, progress.get("time"), progress.get("left"), failed.get("reason"), age)
+    return Log(started, progress.get("time"), progress.get("left"), failed.get("reason"), age, process.get("of", ""))
 
 
 def _record(line: str) -> dict[str, Any] | None:
@@ -103,18 +104,18 @@ def _record(line: str) -> dict[str, Any] | None:
 
 
 @contextmanager
-def job_log(path: Path | str, shown: TextIO | None = None) -> Iterator[TextIO]:
-    """The log to write to.  An error ends the job with a line, in the log and where the workflow shows it (``shown``; by default stderr).
+def job_log(path: Path | str, shown: TextIO | None = None, of: str = "") -> Iterator[TextIO]:
+    """The log to write to, of a job that is given what has the digest ``of``.
 
-    An error that the user can correct (exit code 2) leaves that line alone, any other its traceback in the log.  A log that cannot be
-    written does not stop the job.
+    An error ends the job with a line, in the log and where the workflow shows it (``shown``; by default stderr).  One that the user can
+    correct (exit code 2) leaves that line alone, any other its traceback in the log.  A log that cannot be written does not stop the job.
     """
     path, shown = Path(path), shown or sys.stderr
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         log: TextIO
         log = own = JobLog(path.open("wb"), encoding="utf-8", errors="backslashreplace", line_buffering=True)
-        own.record(PROCESS, **Process(platform.node(), os.getpid(), clock.time())._asdict())
+        own.record(PROCESS, **Process(platform.node(), os.getpid(), clock.time())._asdict(), of=of)
     except OSError as error:
         print(f"{path}: no log: {error.strerror}", file=shown)
         log = shown

@@ -10,7 +10,7 @@ import pandas as pd
 from sph.checks.after_run import is_bounded, is_braked, is_lower_bound
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
-from sph.measures.places import REACHED, column_of, places_in
+from sph.measures.places import ARRIVAL, PEAK_DEPTH, REACHED, column_of, places_in
 from sph.page.tables import Table
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AS_IT_IS, BASE, Dimension, title_of
@@ -43,7 +43,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
     for name in dict.fromkeys(map(str, table[ALTERNATIVE])):
         runs, called = groups.get(name), AS_IT_IS if name == BASE else name
         if runs is None:
-            rows.append((called, "diverged", *[NOTHING] * (6 + len(places))))
+            rows.append((called, "diverged", *[NOTHING] * (6 + 3 * len(places))))
             continue
         own = next((run for run in runs.to_dict("records") if all(run[key] == value for key, value in at.items())), None)
         rows.append(
@@ -56,7 +56,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
                 _length(own, "displacement_magnitude"),
                 _length(own, "runout"),
                 NOTHING if name == BASE or own is None else saved(worst, own),
-                *(_reached(runs, column_of(place, REACHED)) for place in places),
+                *(cell for place in places for cell in _at(runs, place)),
             )
         )
     head = (
@@ -68,7 +68,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
         f"displacement of {probe} (m)",
         "run-out (m)",
         "saves of the displacement",
-        *(f"runs that reach {place}" for place in places),
+        *(f"{place}: {what}" for place in places for what in ("runs that reach it", "first after (s of shaking)", "largest depth (m)")),
     )
     said = title_of(others, {key: str(value) for key, value in at.items()})
     note = f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest." if others else ""
@@ -182,11 +182,18 @@ def _length(run: Mapping[Any, Any] | None, name: str) -> str:
     return NOTHING if run is None else metres(float(run[name]), _goes_on(run))
 
 
-def _reached(runs: pd.DataFrame, reached: str) -> str:
-    """In how many of the runs debris reaches a place; at least, where it goes on in one that has not."""
-    known = runs[runs[reached].notna()].to_dict("records")
-    there = sum(run[reached] > 0.0 for run in known)
-    return f"{AT_LEAST * any(_goes_on(run) for run in known if run[reached] == 0.0)}{there} of {len(known)}"
+def _at(runs: pd.DataFrame, place: str) -> tuple[str, str, str]:
+    """In how many of the runs debris reaches a place, when it first does after the shaking begins, and its largest depth there; at least,
+    where it goes on in a run that has not reached it, or whose depth may grow."""
+    reached = runs[column_of(place, REACHED)]
+    known, there = runs[reached.notna()].to_dict("records"), runs[reached > 0.0]
+    on_its_way = any(_goes_on(run) for run in known if run[column_of(place, REACHED)] == 0.0)
+    count = f"{AT_LEAST * on_its_way}{len(there)} of {len(known)}"
+    if there.empty:
+        return count, NOTHING, NOTHING
+    first = float((there[column_of(place, ARRIVAL)] - there["shaking_start"]).min())
+    bounded = any(_goes_on(run) for run in known)
+    return count, f"{first:.3g}" if first == first else NOTHING, metres(float(there[column_of(place, PEAK_DEPTH)].max()), bounded)
 
 
 def _fails_from(runs: pd.DataFrame) -> str:

@@ -29,10 +29,11 @@ from sph.page.facts import (
     runs_said,
     searched,
     unshaken,
+    when,
     yearly,
 )
 from sph.page.levels import levels, widths
-from sph.page.tables import Table, filled
+from sph.page.tables import Table, filled, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -42,8 +43,8 @@ from sph.study.preflight import Row, read_preflight
 from sph.study.runs import SAFETY, YIELD
 from sph.study.tables import EXPECTED
 
-FINDINGS = "{fidelity}/preflight.csv"
-"""What was found in the scenes before their runs: errors and warnings are told."""
+FINDINGS, CHECKED = "{fidelity}/preflight.csv", "{fidelity}/checked.csv"
+"""What was found in the scenes before their runs: errors and warnings are told; and what is known of that before the searches."""
 SEARCHES = "{fidelity}/stages/{limit}*.nc"
 """The searches for a limit of the slopes, where they were made."""
 CRITICAL = "*/trigger/trigger.csv"
@@ -81,7 +82,7 @@ def answer(
     That for a ``client`` names no commands and keys.  Of runs that are still ``missing`` in the table nothing is said.
     """
     size = len(table) + missing
-    rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
+    rows = [row for file in found(FINDINGS) or found(CHECKED) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
     why = held_back(table, rows)
     own = as_it_is(table)
@@ -96,6 +97,7 @@ def answer(
         *at_residual(rows),
         ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
+        *when(strongest(own), probe),
         *answer_spacing(found(SPACINGS)),
         *(at_places(own, why, missing) if len(strongest(own)) < len(own) else ()),  # else the lead says it
         *yearly(found(ANNUAL), falling(table, rows) > 0),
@@ -105,7 +107,8 @@ def answer(
     return Answer(
         [_raised(words) for words in (first, beside, *places) if words],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
-        [filled(each) for each in (*compared(table, dimensions, probe), levels(own, dimensions, probe, why), *widths(own))],
+        [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe)]
+        + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
         expected_sentence(scene, not client).split(", since" if client else "\n")[0]
@@ -180,6 +183,10 @@ def _points(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> dict[str, s
 
 def _raised(words: str) -> str:
     return words.replace("m/s2", shown_unit("m/s2"))
+
+
+def _table_raised(table: Table) -> Table:
+    return table._replace(rows=[[_raised(cell) for cell in row] for row in table.rows])
 
 
 def held_back(table: pd.DataFrame, rows: Sequence[Row]) -> str:

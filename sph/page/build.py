@@ -21,6 +21,7 @@ from PIL import Image
 
 from sph.checks.equilibrium import found_equilibrium
 from sph.figures import caption as caption_of
+from sph.figures.arrangement import stays_words
 from sph.figures.before_after import NARROW, figure_before_after
 from sph.figures.style import DPI, NOTHING, WIDTH
 from sph.measures.metrics import CLASSES
@@ -30,7 +31,7 @@ from sph.page.answer import answer, as_it_is
 from sph.page.explorer import explorer
 from sph.page.matrix import TO_COME, Matrix, matrix
 from sph.page.sections import DOCS, Drawing, Section, of
-from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
+from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, client_table, csv_table, layer_table, run_columns, scene_table
 from sph.scene.schema import Scene
 from sph.scene.strict_json import finite, parse_json
 from sph.scene.units import beside_g
@@ -102,6 +103,7 @@ class Picture(NamedTuple):
     source: str  # file
     runs: Sequence[str]  # from which it was drawn, where that is known
     narrow: Picture | None = None  # the same for a phone, where one is drawn
+    said: str = ""  # of what it shows in this study
 
     @property
     def alt(self) -> str:
@@ -179,7 +181,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         scene=scene,
         scene_table=None if study.client else keys,
         today=datetime.date.today().isoformat() if study.client else "",
-        key_table=chosen_keys(keys, paths=not study.client),
+        key_table=client_table(keys) if study.client else chosen_keys(keys),
         layer_table=layer_table(scene, varied),
         answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client, len(study.missing)),
         overview=None if first is None else overview(study, first, titles[list(table.index).index(first)], cells),
@@ -263,11 +265,14 @@ def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) ->
     """The slope before and after a run, ``beside`` the matrix of all runs, and the same for a phone."""
     run, tall = study.read(study.runs[name]), beside is not None and beside.lines > TALL
     equilibrium = found_equilibrium(run.scene)
+    stays = stays_words(run)
+    drawing = Drawing("Before and after", caption_of(figure_before_after))
+    said = "The run that goes farthest." + f" {stays}" * bool(stays)
     pictures = []
     for width in (NARROW, WIDTH):
         drawn = io.BytesIO()
         figure_before_after(run, title, study.places, equilibrium, width, stacked=tall).savefig(drawn, format="png", dpi=DPI)
-        pictures.append(picture(study.runs[name], Drawing("Before and after", caption_of(figure_before_after)), drawn=drawn))
+        pictures.append(picture(study.runs[name], drawing, drawn=drawn)._replace(said=said))
     narrow, wide = pictures
     return wide._replace(narrow=narrow)
 

@@ -133,6 +133,24 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension], missing: int = 0
     return f"at most {in_both(gone)}{of}" if missing or math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
+def when(table: pd.DataFrame, probe: str) -> list[tuple[str, str, str]]:
+    """When the probe begins to move in those of some runs that fail, least to most, and when the first soil does; nothing where none
+    fails."""
+    failing = table[table["collapse_class"].isin(CLASSES[1:]) & (table["status"] != Status.FAILED_UNSHAKEN)]
+    begins, first = (failing[name] - failing["shaking_start"] for name in ("onset_time", "first_failure_time"))
+    if not begins.notna().any():
+        return []
+    level = f"at {in_both(float(table[AMPLITUDE].iloc[0]))}; " if AMPLITUDE in table else ""
+    soil = f"the first soil reaches its strength after {_span(first.min(), first.max(), _seconds)} s"
+    moves = f"{probe} begins to move {_span(begins.min(), begins.max(), _seconds)} s after the shaking begins"
+    return [("When it fails", moves, level + soil)]
+
+
+def _seconds(time: float) -> str:
+    """A time of a run (s), to a hundredth or as less than that."""
+    return f"{time:.2f}" if time >= 0.01 else "less than 0.01"
+
+
 def claims(files: Sequence[str], searched: Sequence[str]) -> list[tuple[str, str, str]]:
     """How many claims of the paper hold; one that runs alone leave open has the verdict of the first case ``searched``."""
     facts = []

@@ -39,6 +39,28 @@ KEYS = (
     "numerics.time_step",
 )
 """Beginnings of the scene keys that the page shows at once, beside the table of layers."""
+OF_CLIENT = {
+    "duration": "time simulated",
+    "geometry.slope_height": "height of the slope",
+    "geometry.slope_angle": "angle of the slope",
+    "geometry.base": "elevation of the model's base",
+    "walls.base": "base of the model",
+    "walls.sides": "sides of the model",
+    "walls.bedrock.density": "density of the bedrock",
+    "walls.bedrock.s_wave_speed": "shear wave speed of the bedrock",
+    "walls.bedrock.p_wave_speed": "pressure wave speed of the bedrock",
+    "water.level": "elevation of the water table",
+    "water.r_u": "ratio of water pressure to overburden r_u",
+    "motion.file": "record",
+    "motion.amplitude": "peak horizontal acceleration",
+    "motion.frequency": "frequency of the shaking",
+    "coupling.softening.slip_at_peak": "slip at which strength begins to fall",
+    "coupling.softening.slip_at_residual": "slip at which the residual strength is reached",
+    "damping.ratio": "damping ratio",
+    "damping.frequencies": "at the frequencies",
+    "numerics.spacing": "size of a particle",
+}
+"""The scene keys that a client's page shows, in an engineer's words."""
 SENTENCE = "sentence"
 """Column of a CSV file that says in words what the row holds."""
 MAX_NUMBERS = 12
@@ -71,6 +93,12 @@ def filled(table: Table) -> Table:
     """The table without columns in which nothing is known."""
     kept = [at for at in range(len(table.head)) if any(row[at] != NOTHING for row in table.rows)]
     head, *rows = ([row[at] for at in kept] for row in (table.head, *table.rows))
+    return table._replace(head=head, rows=rows)
+
+
+def turned(table: Table) -> Table:
+    """The table with its rows as columns: for few rows of many columns, which a phone and a sheet of paper have no room for."""
+    head, *rows = zip(table.head, *table.rows, strict=True)
     return table._replace(head=head, rows=rows)
 
 
@@ -187,15 +215,25 @@ def scene_table(section: BaseModel, varied: Mapping[str, str]) -> Table:
     return Table("Every key of the scene, as a scene file names it", ("key", "value", "unit", "meaning"), rows)
 
 
-def chosen_keys(table: Table, paths: bool = True) -> Table:
-    """The rows of the table of a scene that describe the problem, ``KEYS``, by names that are read, with the ``paths`` of files or not."""
+def chosen_keys(table: Table) -> Table:
+    """The rows of the table of a scene that describe the problem, ``KEYS``, by names that are read."""
     rows = []
     for key, value, unit, text in table.rows:
         if key == SOFTENING and value == "none":
             rows.append(("onset of failure", "at once", "", text))
-        elif key.startswith(KEYS) and value != "none" and (paths or not key.endswith("geometry.file")):
+        elif key.startswith(KEYS) and value != "none":
             rows.append((readable(key), wall_words(value) if key.startswith("walls.") else value, shown_unit(unit), text))
     return Table("What is simulated", ("what", "value", "unit", "meaning"), rows)
+
+
+def client_table(table: Table) -> Table:
+    """The rows of the table of a scene that a client is told, ``OF_CLIENT``, without keys and what is not set."""
+    rows = [
+        (OF_CLIENT[key], wall_words(value) if key.startswith("walls.") else value, shown_unit(unit))
+        for key, value, unit, _ in table.rows
+        if key in OF_CLIENT and value != "none"
+    ]
+    return Table("What is simulated", ("what", "value", "unit"), rows)
 
 
 def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
@@ -218,7 +256,7 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
             for key in ("S_R", "gamma")
         )
         numbers = {key: soil.gradient or None if key == "cohesion_growth" else getattr(soil, key) for key in fields}
-        values = (varied.get(f"{path}soil.{key}", "" if number is None else f"{number:.6g}") for key, number in numbers.items())
+        values = (varied.get(f"{path}soil.{key}", "" if number is None else _whole(number)) for key, number in numbers.items())
         rows.append(
             (
                 name,
@@ -239,6 +277,11 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
         f"{named('gamma').phrase} ({named('gamma').shown_unit})",
     )
     return Table("Layers; where two overlap, the later one counts", head, rows)
+
+
+def _whole(number: float) -> str:
+    """A number to six digits, a large one without a power of ten."""
+    return f"{number:.6g}" if abs(number) < 1e6 else f"{float(f'{number:.6g}'):.0f}"
 
 
 def region_words(region: Region) -> str:

@@ -41,6 +41,8 @@ from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, dividing, slope_height, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
+from sph.study.plan import Plan
+from sph.study.runs import PlannedRun
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
@@ -83,6 +85,11 @@ class Row(NamedTuple):
     finding: Finding
     runs: int  # that it concerns
     worst_run: str
+
+
+def looked_at(plan: Plan) -> dict[str, PlannedRun]:
+    """The runs of a study whose scenes are checked, by name."""
+    return {name: plan.shared.runs[name] for name in plan.study.shown_runs(MAX_SCENES)}
 
 
 def quick_spacings(scene: Scene) -> tuple[float, float]:

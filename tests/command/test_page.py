@@ -12,11 +12,15 @@ from synthetic import PAPER, synthetic, translation
 from typer.testing import CliRunner
 
 import sph.command.page as page_of
+from sph.checks.finding import finding
 from sph.command.cli import app
 from sph.command.study import find_study
 from sph.jobs.exit_codes import REFUSED
+from sph.jobs.log import job_log
 from sph.storage import trajectory
 from sph.study.plan import Plan
+from sph.study.planned import digest, planned
+from sph.study.preflight import Row, looked_at, write_preflight
 from sph.study.tables import read_table
 
 FOLDER = "results/growing/own"
@@ -57,8 +61,22 @@ def words() -> str:
 
 
 def test_a_page_of_some_runs_says_which_are_missing_and_nothing_of_them(plan: Plan) -> None:
+    Path(FOLDER).mkdir(parents=True)
+    Path(FOLDER, page_of.PAGE).write_text("of another plan")
     refused = call("study.yaml")
     assert refused.exit_code == REFUSED and "no run is done yet" in refused.stderr and "--watch" in refused.stderr
+    assert not Path(FOLDER, page_of.PAGE).exists(), "it told of runs that are not planned now"
+    scenes = {name: planned(run.scene) for name, run in looked_at(plan).items()}
+    for job, table, runs, of in (
+        ("check", "checked", 4, digest(scenes)),
+        ("preflight", "preflight", 6, digest(dict(list(scenes.items())[:2]))),  # of an earlier plan, which named these runs too
+    ):
+        with job_log(f"{FOLDER}/logs/{job}.log", of=of):
+            kinds = (
+                finding("stands-unshaken", spacing=5.0, run_spacing=5.0),
+                finding("few-particles", "numerics.spacing", value=4.0, bound=20.0, height=10.0),
+            )
+            write_preflight(f"{FOLDER}/{table}.csv", [Row(each, runs, "S_R-0.50_amplitude-4.0") for each in kinds])
     finish(plan, "S_R-0.50_amplitude-4.0", 0.0)
     assert call("study.yaml").stdout.strip() == f"{FOLDER}/{page_of.PAGE}: 1 of 4 runs"
     first = words()
@@ -70,8 +88,11 @@ def test_a_page_of_some_runs_says_which_are_missing_and_nothing_of_them(plan: Pl
         "house: not reached in 1 run; unknown in 3 runs still to come; the debris stops at least 8.00 m short of it.",
         "no failure found so far up to 4 m/s²",
         "still to come",
+        "stands by a static test",
+        "4 of 4 runs: ",
     ):
         assert said in first, first
+    assert "6 of" not in first, "found in other scenes"
     assert first.count("…") == 3, "cells of the matrix"
     assert 'http-equiv="refresh"' not in Path(FOLDER, page_of.PAGE).read_text()
     assert not Path(FOLDER, "report.html").exists() and not Path(FOLDER, "study.csv").exists(), "those are the workflow's"

@@ -510,10 +510,18 @@ def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: Stu
     commands = ("snakemake --cores", "study.csv there", "sph fos", "sph run", "claims.csv")
     for words in (*commands, "not searched", "Not computed yet", "core-hours"):
         assert words in own and words not in client, (words, client[max(client.find(words) - 80, 0) :][:200])
-    for words in (TITLE, "Shaking at which it fails", "All runs", "Versions", "Figure 4"):
+    for words in (
+        TITLE,
+        "Shaking at which it fails",
+        "All runs",
+        "Versions",
+        "Figure 4",
+        "peak horizontal acceleration",
+        "size of a particle",
+    ):
         assert words in client, words
     assert "docs/" not in client
-    for key in ("numerics.spacing", "soil.cohesion", "few-particles", "gamma-100", "failed_unshaken"):
+    for key in ("numerics.spacing", "soil.cohesion", "few-particles", "gamma-100", "failed_unshaken", "smoothing ratio"):
         assert key in own and key not in client, key
     signed = Words(build_page(study._replace(client=True, project="Road 7", author="A. Geologist"))).text
     assert f"Road 7 · A. Geologist · {datetime.date.today().isoformat()}" in signed

@@ -17,6 +17,7 @@ from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
 from sph.page.alternatives import compared, verdict
+from sph.page.tables import turned
 from sph.scene.schema import make_scene
 from sph.solver.particles import place_particles
 from sph.study.dimensions import Dimension
@@ -128,7 +129,9 @@ def table_of(**columns: list[Any]) -> pd.DataFrame:
             "house_passed": [-12.0, 1.0, 2.0, -9.0, -12.0, -12.0],  # past it with one run, as a film too thin to be debris
             "house_reached": [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
             "house_depth": 0.0,
-            "house_arrival": math.nan,
+            "house_peak_depth": [0.0, 1.5, 0.0, 0.1, 0.0, 0.0],
+            "house_arrival": [math.nan, 9.5] + [math.nan] * 4,
+            "shaking_start": 3.0,
             "still_moving": 0,
             "diverged": 0,
             "reached_side": "",
@@ -149,11 +152,14 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
         ("buttress", "stable", "0 of 2", "not up to 4 m/s2 (0.408 g)"),
     ]
     assert [row[5:] for row in found.rows] == [
-        ("10.0", "12.0", "–", "1 of 2"),
-        ("4.00", "3.00", "6.00 m (60 %)", "0 of 2"),
-        ("0.100", "0", "9.90 m (99 %)", "0 of 2"),
+        ("10.0", "12.0", "–", "1 of 2", "6.5", "1.50"),
+        ("4.00", "3.00", "6.00 m (60 %)", "0 of 2", "–", "–"),
+        ("0.100", "0", "9.90 m (99 %)", "0 of 2", "–", "–"),
     ]
     assert "amplitude 4.0 m/s²" in found.note
+    on_paper = turned(found)
+    assert on_paper.head == ("alternative", "as it is", "drained", "buttress")
+    assert on_paper.rows[-2] == ("house: first after (s of shaking)", "6.5", "–", "–")
     assert compared(table_of().drop(columns="alternative"), DIMENSIONS[:1], "A") == []
 
 

@@ -5,7 +5,7 @@ from sph.figures import caption as caption_of
 from sph.solver.compiled.jit import solver_digest
 from sph.study.cost import Needs, needs
 from sph.study.planned import contents, digest, planned, sources
-from sph.study.preflight import MAX_SCENES
+from sph.study.preflight import looked_at
 from sph.study.runs import SIMULATION
 
 # Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
@@ -113,15 +113,9 @@ def made_by(
     }
 
 
-def looked_at():
-    """The runs of the study whose scenes are checked, by name."""
-    names = PLAN.study.shown_runs(MAX_SCENES)
-    return {name: PLAN.shared.runs[name] for name in names}
-
-
 def planned_slopes():
-    """Their scenes as jobs are given them."""
-    return {name: planned(run.scene) for name, run in looked_at().items()}
+    """The scenes of the study that are checked as jobs are given them, by run."""
+    return {name: planned(run.scene) for name, run in looked_at(PLAN).items()}
 
 
 def searched_in(part):

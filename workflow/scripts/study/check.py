@@ -5,7 +5,7 @@ from typing import TextIO
 
 from sph.checks.messages import line
 from sph.jobs.log import Job, job_log
-from sph.study.planned import Planned
+from sph.study.planned import Planned, digest
 from sph.study.preflight import stop_for_errors, study_findings, study_stability, tell, write_preflight
 
 
@@ -29,5 +29,5 @@ def check(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: i
 
 if __name__ == "__main__":
     snakemake: Job
-    with job_log(snakemake.log[0]) as log:
+    with job_log(snakemake.log[0], of=digest(snakemake.params.given["planned"])) as log:
         check(snakemake.output[0], log, **snakemake.params.given, stops=snakemake.params.stops)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TextIO
 
 from sph.jobs.log import Job, job_log
-from sph.study.planned import Planned
+from sph.study.planned import Planned, digest
 from sph.study.preflight import Row, read_preflight, study_limits, tell, write_preflight
 
 
@@ -21,5 +21,5 @@ def preflight(path_to_checked: str, path_to_csv: str, log: TextIO, planned: Mapp
 
 if __name__ == "__main__":
     snakemake: Job
-    with job_log(snakemake.log[0]) as log:
+    with job_log(snakemake.log[0], of=digest(snakemake.params.given["planned"])) as log:
         preflight(snakemake.input.checked, snakemake.output[0], log, **snakemake.params.given)
