@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -11,7 +12,7 @@ from sph.checks.after_run import is_bounded, is_braked, is_lower_bound
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import REACHED, column_of, places_in
-from sph.page.tables import Table
+from sph.page.tables import Table, in_motion
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AS_IT_IS, BASE, Dimension, title_of
 
@@ -168,14 +169,19 @@ def _why(run: Mapping[Any, Any]) -> str:
     reasons = (
         (is_braked(run["findings"]), "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"),
         (is_bounded(run["reached_side"]), "debris leaves the box (lengthen the apron)"),
-        (run["still_moving"] > 0, "soil still moves at the end (run it for longer)"),
+        (in_motion(run), f"soil still moves at the end ({_longer(run['time_to_rest'])})"),
     )
     return next(words for holds, words in reasons if holds)
 
 
+def _longer(time: float) -> str:
+    """What to do about a run that would come to rest after a time, s; NaN where it does not slow down."""
+    return "run it for longer, it does not slow down yet" if math.isnan(time) else f"run it for some {time:.2g} s more"
+
+
 def _goes_on(run: Mapping[Any, Any]) -> bool:
     """Whether displacement and run-out of a run are lower bounds, also since it still moves at its end."""
-    return is_lower_bound(run) or bool(run["still_moving"] > 0)
+    return is_lower_bound(run) or in_motion(run)
 
 
 def _length(run: Mapping[Any, Any] | None, name: str) -> str:

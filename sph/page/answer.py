@@ -32,7 +32,7 @@ from sph.page.facts import (
     yearly,
 )
 from sph.page.levels import levels, widths
-from sph.page.tables import Table, filled
+from sph.page.tables import Table, filled, moves_on
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -140,11 +140,12 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         else:
             words = [f"{level} {fail} of {len(known)} runs fail" + f", {collapse} of them by collapse" * bool(collapse)]
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
-        moving = int((known["still_moving"] > 0).sum())
+        moving = known[known["at_rest"] == 0]
         if (farthest := known["runout"].max()) > 0.0:
             words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe")
-        if moving:
-            words.append(f"soil still moves at the end of {runs_said(moving)}" if len(known) > 1 else "soil still moves at the end")
+        if len(moving):
+            of = f" of {runs_said(len(moving))}" * (len(known) > 1)
+            words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     places = places_in(table.columns) if len(known) else ()
     more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places]
     return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
@@ -163,7 +164,7 @@ def as_it_is(table: pd.DataFrame) -> pd.DataFrame:
 
 def _bound(known: pd.DataFrame) -> str:
     """Whether the largest run-out of some runs is that, or more was to come."""
-    return "at least" if (known["still_moving"] > 0).any() or lower_bounds(known).any() else "up to"
+    return "at least" if (known["at_rest"] == 0).any() or lower_bounds(known).any() else "up to"
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
@@ -211,10 +212,8 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
         "earthquake alone.",
     )
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no results.")
-    say(
-        ((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(),
-        "are still moving at the end: displacement and run-out are not final.",
-    )
+    if len(moving := table[(table["at_rest"] == 0) & (table["diverged"] == 0)]):
+        say(len(moving), f"are still moving at the end, {moves_on(moving)}: displacement and run-out are not final.")
     say(
         table["reached_side"].map(is_bounded).sum(),
         "have debris that reached the end of the box or went over it: displacement and run-out are lower bounds; lengthen the apron.",

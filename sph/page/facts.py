@@ -20,6 +20,7 @@ from sph.figures.style import metres
 from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, STABLE
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.page.alternatives import AMPLITUDE
+from sph.page.tables import moves_on
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -210,7 +211,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     known, there = of[REACHED].notna(), of[REACHED] > 0.0
     short = known & ~there
     braked = short & table["findings"].map(is_braked)
-    moving = short & ~braked & (table["still_moving"] > 0)
+    moving = short & ~braked & (table["at_rest"] == 0)
     still = short & ~braked & ~moving
     words, how = list[str](), list[str]()
     if there.any():
@@ -227,8 +228,8 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     words += [f"its ground moves by up to {metres(of[GROUND].max())} m"] * bool(of[GROUND].max() >= min(AREA_THRESHOLDS.values()))
     gap = -float(of[PASSED][short].max())
     if not there.any() and gap > 0.0:
-        if (table["still_moving"][short] > 0).any():
-            how.append(f"the debris is at least {metres(gap)} m short of it then; run them for longer")
+        if len(on := table[short & (table["at_rest"] == 0)]):
+            how.append(f"the debris is at least {metres(gap)} m short of it then, and moves on: {moves_on(on)}")
         else:
             stops = f"the debris stops at least {metres(gap)} m short of it"
             how.append(f"the braked debris comes to {metres(gap)} m of it" if braked.any() else stops)

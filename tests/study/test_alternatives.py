@@ -129,7 +129,8 @@ def table_of(**columns: list[Any]) -> pd.DataFrame:
             "house_reached": [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
             "house_depth": 0.0,
             "house_arrival": math.nan,
-            "still_moving": 0,
+            "at_rest": 1,
+            "time_to_rest": 7.5,
             "diverged": 0,
             "reached_side": "",
             "findings": "",
@@ -162,15 +163,15 @@ def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
     for moving, wanted in (
         ([0, 1, 0, 0, 0, 0], "≥ 6.00 m (60 %)"),
         ([0, 0, 0, 1, 0, 0], "at most 6.00 m (60 %)"),
-        ([0, 1, 0, 1, 0, 0], "unknown: in both soil still moves at the end (run it for longer)"),
+        ([0, 1, 0, 1, 0, 0], "unknown: in both soil still moves at the end (run it for some 7.5 s more)"),
     ):
-        (found,) = compared(table_of(still_moving=moving), DIMENSIONS, "A")
+        (found,) = compared(table_of(at_rest=[1 - each for each in moving]), DIMENSIONS, "A")
         assert found.rows[1][7] == wanted
         assert found.rows[1][8] == ("≥ 0 of 2" if moving[3] else "0 of 2"), "debris that still moves may reach it"
     braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
     (found,) = compared(table_of(findings=["", "weak-on-strong"] + ["", "layer-held"] + [""] * 2), DIMENSIONS, "A")
     assert found.rows[1][7] == f"unknown: in both {braked}"
-    (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, still_moving=[0, 0, 0, 1, 0, 0]), DIMENSIONS, "A")
+    (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, at_rest=[1, 1, 1, 0, 1, 1]), DIMENSIONS, "A")
     assert found.rows[1][7].startswith(f"unknown: as it is {braked}, and with it soil still moves")
     (found,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.0, 12.0, 0.0, 0.1]), DIMENSIONS, "A")
     assert found.rows[1][7] == "2.00 m (20 %) more movement"
