@@ -30,10 +30,10 @@ from pydantic import model_validator
 
 from sph.measures.linked import largest_mass
 from sph.measures.mobilised import DISC, height_of, mobilised_by_layer
-from sph.measures.mobility import COROMINAS, corominas_tangent, line_runout, residual_tangent
+from sph.measures.mobility import COROMINAS, corominas_tangent, line_runout, residual_tangent, sliding
 from sph.measures.places import Debris, PlaceAt, PlaceName, at_places, place_columns
 from sph.measures.rest import RATE, SHARE, SLOWING, rest
-from sph.measures.sides import BACK, FRONT, OVER, reached_sides
+from sph.measures.sides import BACK, FRONT, OVER, PART, reached_sides
 from sph.output.run import ProbeHistory, Run
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
@@ -240,9 +240,9 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "energy_line_angle",
         "degree",
-        "apparent friction angle of the soil of the front: tangent of the effective angle that it keeps after failure (mean over the mass "
-        "that the run-out counts) times 1 - r_u at the base of that mass, of the initial pore pressure and its largest rise; NaN if there "
-        "is no front or no friction is left",
+        f"apparent friction angle of the mass that slides, soil of the front that has moved at least {PART:g} as far as the farthest: "
+        "tangent of the effective angle that soil at its base keeps after failure times 1 - r_u there, of the initial pore pressure and "
+        "its largest rise, the mean by weight; NaN if there is no front or no friction is left",
     ),
     _number(
         "energy_line_runout",
@@ -485,7 +485,7 @@ def _mobility_metrics(run: Run, front: np.ndarray, area: float) -> dict[str, flo
     geometry, values = run.scene.geometry, dict[str, float]()
     assert isinstance(geometry, SLOPES)
     tangents = {
-        "energy_line": residual_tangent(run, front) if front.any() else math.nan,
+        "energy_line": residual_tangent(run, sliding(run, front)) if front.any() else math.nan,
         "corominas": corominas_tangent(area * geometry.slope_height) if front.any() and area > 0.0 else math.nan,
     }
     for name, tangent in tangents.items():
