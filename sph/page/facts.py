@@ -219,7 +219,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
         begins = f", first {first:.3g} s after the shaking begins" * (not math.isnan(first))
         words.append(f"reached in {there.sum()} of {runs_said(known.sum())}{begins}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
         speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
-        words.append(f"{speed} m/s and {pressure} kPa at most")
+        words.append(f"its fastest particle {speed} m/s; mean impact pressure over its depth {pressure} kPa at most")
     elif still.any() or not (known.any() or missing):
         words.append(f"not reached in {runs_said(still.sum())}")
     words += [f"not yet in {runs_said(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())

@@ -61,7 +61,8 @@ def test_what_the_debris_does_at_a_place() -> None:
     assert at_places(RUNS) == [
         (
             "At road",
-            "reached in 2 of 6 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most",
+            "reached in 2 of 6 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
+            "mean impact pressure over its depth 31 kPa at most",
             "",
         ),
         ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
@@ -195,7 +196,8 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     on["time_to_rest"] = [math.nan] * 3 + [2.0] * 3
     assert said(on, []) == f"{fails}{moving}does not slow down in 1 of them."
     assert said(runs, []).endswith(
-        ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. "
+        ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
+        "mean impact pressure over its depth 31 kPa at most. "
         "house: not reached in 4 runs; the debris stops at least 10.0 m short of it."
     )
     assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
