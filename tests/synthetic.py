@@ -99,7 +99,15 @@ def synthetic(
 
 def study_row(S_R: str, gamma: str, amplitude: str, **metrics: Any) -> dict[str, Any]:
     """Row of a study: a finished run of the paper's motion with the given metrics, all others NaN."""
-    fixed = {"status": "complete", "collapse_class": "stable", "still_moving": 0, "diverged": 0, "reached_side": "", "findings": ""}
+    fixed = {
+        "status": "complete",
+        "collapse_class": "stable",
+        "still_moving": 0,
+        "at_rest": 1,
+        "diverged": 0,
+        "reached_side": "",
+        "findings": "",
+    }
     values = {metric.name: fixed.get(metric.name, np.nan) for metric in VALUES}
     values |= {"shaking_start": 3.0, "shaking_end": 10.0}
     return {"S_R": S_R, "gamma": gamma, "amplitude": amplitude, **values, **metrics}

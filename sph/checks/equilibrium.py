@@ -6,17 +6,26 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+import scipy  # type: ignore[import-untyped]
+
 from sph.checks.finding import Finding, finding
 from sph.checks.layers import MIN_IN_LAYER, layers_of
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
 from sph.solver.particles import place_particles
-from sph.stability.slip_search import LimitEquilibrium, Surface, applies, limit_equilibrium
-from sph.stability.standing import slope_height, weakened
+from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium
+from sph.stability.slip_surface import soil_along
+from sph.stability.standing import slope_height, weakened, with_strength
 
 MAX_DIFFERENCE = 0.05
 """Of a factor of safety by SPH from Spencer's, over that, which is told."""
+STABLE = 0.3
+"""Cohesion over unit weight and height with which any slope stands; of a vertical cut 0.261 (Taylor 1937)."""
+STEEP, RAD = 60.0, math.radians(1.0)
+"""Largest friction angle with which a slope is tried, degrees."""
+NEEDED = 0.002
+"""Of the largest strength tried, to which that for a factor of 1 is sought."""
 MIN_GROUND = 0.5
 """Of ground behind the crest over the slope's height; with less, there may be no surface as large as a failure."""
 
@@ -61,6 +70,32 @@ def of_equilibrium(scene: Scene, limits: Iterable[Finding] = ()) -> list[Finding
             reasons = _reasons(scene, equilibrium, value / spencer - 1.0)
             told.append(finding("limit-equilibrium-differs", value=value, error=error, bound=spencer, **reasons))
     return told
+
+
+def factor_below_1(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Finding]:
+    """The finding of a slope whose factor of safety by Spencer is below 1, with the strength of the soil in which most of its surface lies
+    that makes it 1: the cohesion (Pa), or where it has none the friction angle (rad).  No such number where this soil alone does not
+    decide, or the surface follows seams."""
+    if equilibrium is None or equilibrium.spencer.value >= 1.0:
+        return []
+    number = soil_along(scene, equilibrium.spencer.x, equilibrium.spencer.y)
+    layer = list(scene.layers)[number - 1] if number else ""
+    path, soil = f"layers.{layer}.soil" if layer else "soil", scene.soils[number]
+    name, unit, high = ("cohesion", 1e3, soil.cohesion + 1e-3 * STABLE * weight(scene)) if soil.cohesion else ("friction_angle", RAD, STEEP)
+
+    def excess(value: float) -> float:
+        return min(limit_equilibrium(with_strength(scene, number, name, value)).spencer.value, MAX_FACTOR) - 1.0
+
+    needed = dict[str, float]()
+    if not equilibrium.spencer.seam.any() and getattr(soil, name) < high and excess(high) > 0.0:
+        needed[name] = unit * float(scipy.optimize.brentq(excess, getattr(soil, name), high, xtol=NEEDED * high))
+    keys = f"{path}.cohesion", f"{path}.friction_angle", "geometry"
+    return [finding("factor-below-1", *keys, subject=layer or "soil", value=equilibrium.spencer.value, bound=1.0, **needed)]
+
+
+def weight(scene: Scene) -> float:
+    """Weight of the heaviest soil over the height of the slope, Pa."""
+    return max(soil.density for soil in scene.soils) * scene.gravity.acceleration * slope_height(scene)
 
 
 def slip_at_base(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Finding]:

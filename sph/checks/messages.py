@@ -150,6 +150,13 @@ def _at_residual(of: Numbers) -> str:
     return f"the slope without shaking, at residual strength (S_R {{S_R:g}}{own})"
 
 
+def _stable(of: Numbers) -> str:
+    """With which strength of the soil along its surface a slope stands, to three digits."""
+    known = f"a cohesion of {1e-3 * of['cohesion']:.3g} kPa" if "cohesion" in of else ""
+    known += f"a friction angle of {math.degrees(of['friction_angle']):.3g} degree" if "friction_angle" in of else ""
+    return "at least 1" + (f", as with {known} in {{subject}}" if known else "")
+
+
 def _mobilised(of: Numbers) -> str:
     depth = " at a depth of {depth:.3g} m with K0 = {K0:.3g}" + (" = nu / (1 - nu)" if "poisson_ratio" in of else "")
     depth += ", {bound:.0f %} or more from {from_depth:.3g} m downwards"
@@ -344,6 +351,11 @@ MESSAGES: dict[str, Message] = {
         ),
         _reasons,
         meaning="the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons",
+    ),
+    "factor-below-1": warning(
+        "by limit equilibrium the slope does not stand without shaking, so that its failure would not be due to the earthquake",
+        "a factor of safety of {value:.2f} (Spencer)",
+        _stable,
     ),
     "slip-at-base": warning(
         "a slip surface reaches an absorbing base with the same soil below it; such a base carries no static load applied after the "

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sph
-from sph.checks.equilibrium import equilibrium_numbers, found_equilibrium, slip_at_base, without_surface
-from sph.checks.finding import Finding
+from sph.checks.equilibrium import equilibrium_numbers, factor_below_1, found_equilibrium, slip_at_base, without_surface
+from sph.checks.finding import Finding, called
 from sph.checks.layers import Layer, layers_of, needed_rows, seam_rows
 from sph.checks.liquefaction import of_liquefaction
 from sph.checks.messages import factor_words, line, record, yield_words
@@ -157,7 +157,13 @@ def check(scene: Scene) -> Check:
     particles = place_particles(scene)
     equilibrium = found_equilibrium(scene)
     told = sorted(
-        [*findings(scene, particles), *slip_at_base(scene, equilibrium), *without_surface(scene, equilibrium)], key=lambda each: each.rank
+        [
+            *findings(scene, particles),
+            *called(factor_below_1(scene, equilibrium), scene.soil.name),
+            *slip_at_base(scene, equilibrium),
+            *without_surface(scene, equilibrium),
+        ],
+        key=lambda each: each.rank,
     )
     return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), equilibrium, told)
 

@@ -30,9 +30,10 @@ from pydantic import model_validator
 
 from sph.measures.linked import largest_mass
 from sph.measures.mobilised import DISC, height_of, mobilised_by_layer
-from sph.measures.mobility import COROMINAS, corominas_tangent, line_runout, residual_tangent
+from sph.measures.mobility import COROMINAS, corominas_tangent, line_runout, residual_tangent, sliding
 from sph.measures.places import Debris, PlaceAt, PlaceName, at_places, place_columns
-from sph.measures.sides import BACK, FRONT, OVER, reached_sides
+from sph.measures.rest import RATE, SHARE, SLOWING, rest
+from sph.measures.sides import BACK, FRONT, OVER, PART, reached_sides
 from sph.output.run import ProbeHistory, Run
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
@@ -153,6 +154,26 @@ METRICS: tuple[Variable, ...] = (
         "1 if in the last moving_window the probe, or the soil by its mass-weighted root-mean-square speed, was faster than moving_speed; "
         "1 for a diverged run, which was stopped in motion",
     ),
+    Variable(
+        "at_rest",
+        ROW,
+        "i1",
+        "1",
+        f"1 if no more than {SHARE:g} of the debris and not the probe still moves at the end: displacement and run-out are final; 0 for a "
+        "diverged run. A few particles that roll on can make still_moving 1, and do not count here",
+    ),
+    _number(
+        "moving_share",
+        "1",
+        f"debris that moves in the last frame, faster than moving_speed and than {RATE:g} of its displacement a second, over all debris, "
+        f"by area: soil that has moved more than moved_threshold or moves, {FAILED_AREA:g} H2 at least",
+    ),
+    _number(
+        "time_to_rest",
+        "s",
+        f"time after which the run would be at rest if the fastest of the debris, but for {SHARE:g} of it, and the probe went on to slow "
+        f"down as in the last {SLOWING:g} s; 0 at rest, NaN if they do not slow down",
+    ),
     Variable("diverged", ROW, "i1", "1", "1 if the guard stopped the run; its other numbers are then NaN, except those of cost and scene"),
     _number(
         "gravity_stage_displacement",
@@ -219,9 +240,9 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "energy_line_angle",
         "degree",
-        "apparent friction angle of the soil of the front: tangent of the effective angle that it keeps after failure (mean over the mass "
-        "that the run-out counts) times 1 - r_u at the base of that mass, of the initial pore pressure and its largest rise; NaN if there "
-        "is no front or no friction is left",
+        f"apparent friction angle of the mass that slides, soil of the front that has moved at least {PART:g} as far as the farthest: "
+        "tangent of the effective angle that soil at its base keeps after failure times 1 - r_u there, of the initial pore pressure and "
+        "its largest rise, the mean by weight; NaN if there is no front or no friction is left",
     ),
     _number(
         "energy_line_runout",
@@ -323,12 +344,16 @@ def measure(run: Run | xr.Dataset, settings: MetricSettings | None = None) -> di
     values: dict[str, Value] = {metric.name: math.nan for metric in (*METRICS, *place_columns(settings.places))}
     values |= _facts(run)
     if status == Status.DIVERGED:
-        return values | {"collapse_class": UNDETERMINED, "still_moving": 1, "reached_side": ""}
+        return values | {"collapse_class": UNDETERMINED, "still_moving": 1, "at_rest": 0, "reached_side": ""}
     probe = run.history(settings.probe)
     moving = _still_moving(run, probe, settings)
     values |= _probe_metrics(probe, run, settings, moving)
+    end = rest(run, probe, settings.moved_threshold, settings.moving_speed, settings.moving_window)
     values |= {
         "still_moving": int(moving),
+        "at_rest": int(end.at_rest),
+        "moving_share": end.moving_share,
+        "time_to_rest": end.time_to_rest,
         "collapse_class": collapse_class(float(probe.displacement_magnitude[-1]) / height_of(run.scene), settings),
         "viscous_share": _viscous_share(run),
         "energy_error": energy_error(run),
@@ -460,7 +485,7 @@ def _mobility_metrics(run: Run, front: np.ndarray, area: float) -> dict[str, flo
     geometry, values = run.scene.geometry, dict[str, float]()
     assert isinstance(geometry, SLOPES)
     tangents = {
-        "energy_line": residual_tangent(run, front) if front.any() else math.nan,
+        "energy_line": residual_tangent(run, sliding(run, front)) if front.any() else math.nan,
         "corominas": corominas_tangent(area * geometry.slope_height) if front.any() and area > 0.0 else math.nan,
     }
     for name, tangent in tangents.items():

@@ -2,7 +2,9 @@
 
 Both are lines from the original crest edge down to where they meet the ground.  The sliding point keeps the residual friction of its soil
 (Heim 1932, Bergsturz und Menschenleben), on effective stress: the apparent friction (1 - r_u) tan(phi') of an undrained slide (Sassa
-1988, Geotechnical model for the motion of landslides, 5th Int. Symp. on Landslides, 37-55).  Cohesion, what the mass loses as it deforms,
+1988, Geotechnical model for the motion of landslides, 5th Int. Symp. on Landslides, 37-55), at the base of the mass, along which it slides.
+The mass is what has gone at least ``PART`` as far as what went farthest: rock below a cover that has failed, too, moves by a metre where
+the cover runs tens of metres, and is no part of it.  Cohesion, what the mass loses as it deforms,
 and its spread about its centre are left out.  ASSUME: the mass keeps the r_u that it has where it starts.
 """
 
@@ -12,6 +14,7 @@ import math
 
 import numpy as np
 
+from sph.measures.sides import PART
 from sph.output.run import Run
 from sph.scene.geometry import Slope
 from sph.scene.ground_line import GroundLine
@@ -23,40 +26,51 @@ COROMINAS = (-0.012, -0.105)
 and debris avalanches on all kinds of path (Corominas 1996, Canadian Geotechnical Journal 33, 260-271)."""
 
 
+def sliding(run: Run, soil: np.ndarray) -> np.ndarray:
+    """Which of some ``soil`` (soil,) belong to the mass that slides, by their displacement at the end."""
+    by = np.hypot(*run.displacement())[run.soil]
+    return soil & (by >= PART * by[soil].max(initial=0.0))
+
+
 def residual_tangent(run: Run, soil: np.ndarray) -> float:
-    """tan(phi_a) = (1 - r_u) tan(phi_r) of some ``soil`` (soil,): the mean over its mass of the tangent of the effective friction angle
-    that it keeps after failure, times the share of its weight that water does not carry; NaN where nothing is left of it."""
-    of = np.flatnonzero(run.soil)[soil]
-    peak, layer, mass = run.strength[:, of], run["layer"][of], run["mass"][of]
+    """tan(phi_a) of some ``soil`` (soil,) that slides: the effective friction (1 - r_u) tan(phi_r) that its base keeps after failure, the
+    mean over the columns of particles by their weight; NaN where nothing is left of it."""
+    of = base_of(run, np.flatnonzero(run.soil)[soil])
+    peak, layer = run.strength[:, of], run["layer"][of]
     tangent = np.zeros(of.size)
     for number, material in enumerate(run.scene.materials):
         here = layer == number
         angles = [material.kept(cohesion, angle, 1e3, math.radians(1.0))[1] for cohesion, angle in peak[:, here].T]
         tangent[here] = np.tan(angles)
-    mean = effective_share(run, of) * float(np.average(tangent, weights=mass))
+    effective, weight = base_stress(run, of)
+    mean = float((effective * tangent).sum() / weight.sum())
     return mean if mean > 0.0 else math.nan
 
 
-def effective_share(run: Run, of: np.ndarray) -> float:
-    """1 - r_u at the base of a mass of particles with the numbers ``of``: effective over total stress, both vertical, summed over the base.
+def base_of(run: Run, of: np.ndarray) -> np.ndarray:
+    """Numbers (columns,) of the lowest particles of a mass, as it lies at the start, of those with the numbers ``of``."""
+    column, y = np.round(run["x0"][of] / run.scene.numerics.spacing), run["y0"][of]
+    order = np.lexsort((y, column))
+    return of[order[np.unique(column[order], return_index=True)[1]]]
+
+
+def base_stress(run: Run, of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Effective and total vertical stress (columns,) below the particles with the numbers ``of``, Pa.
 
     The pore pressure is that of the initial slope, and its largest rise by cyclic shear on top (``cyclic_pore_pressure``).  Standing water
     neither drives nor presses: under it the weight is that under buoyancy.
     """
     scene = run.scene
-    if scene.water is None:
-        return 1.0
-    x, y, spacing = run["x0"][of], run["y0"][of], scene.numerics.spacing
-    order = np.lexsort((y, np.round(x / spacing)))
-    lowest = order[np.unique(np.round(x[order] / spacing), return_index=True)[1]]  # particle of each column
-    x, y = x[lowest], y[lowest] - 0.5 * spacing
+    x, y = run["x0"][of], run["y0"][of] - 0.5 * scene.numerics.spacing
     weight = scene.gravity.acceleration * overburden(scene, x, y)
+    if scene.water is None:
+        return weight, weight
     effective = effective_overburden(scene, x, y)
     if scene.water.r_u is None:
         weight = np.where(scene.water.surface(scene.geometry, x) > scene.geometry.ground(x), effective, weight)
     if "pore_pressure_ratio" in run:
-        effective = effective * (1.0 - run["pore_pressure_ratio"][:, of[lowest]].max(axis=0))
-    return float(effective.sum() / weight.sum())
+        effective = effective * (1.0 - run["pore_pressure_ratio"][:, of].max(axis=0))
+    return effective, weight
 
 
 def corominas_tangent(volume: float) -> float:

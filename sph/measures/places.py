@@ -57,12 +57,12 @@ def place_columns(places: Iterable[str]) -> tuple[Variable, ...]:
         ARRIVAL: ("s", "time of the first frame in which debris, as counted for the run-out, reaches {}; NaN if it never does"),
         REACHED: ("1", "1 if {0}_peak_depth is at least debris_depth and half a spacing: debris reaches {0}; else 0"),
         PEAK_DEPTH: ("m", "largest value of {}_depth in any frame"),
-        PEAK_SPEED: ("m s-1", "largest speed of debris at {} in any frame; 0 if none comes"),
+        PEAK_SPEED: ("m s-1", "largest speed of a single particle of debris at {} in any frame; 0 if none comes"),
         FRONT_SPEED: ("m s-1", "mean speed of the debris at {} in the first frame in which it is there; NaN if none comes"),
         PRESSURE: (
             "Pa",
-            "impact_factor times the mean of density times squared speed over the debris at {}, in the frame in which that is largest; 0 "
-            "if none comes",
+            "impact_factor times the mean of density times squared speed over the debris at {}, in the frame in which that is largest: "
+            "over its depth, not that of its fastest particle; 0 if none comes",
         ),
         GROUND: ("m", "largest displacement at the end of the soil that lay within a spacing of {} and of the ground"),
     }

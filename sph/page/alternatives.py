@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -11,9 +12,10 @@ from sph.checks.after_run import is_bounded, is_braked, is_lower_bound
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import ARRIVAL, PEAK_DEPTH, REACHED, column_of, places_in
-from sph.page.tables import Table
+from sph.page.tables import Table, in_motion
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AS_IT_IS, BASE, Dimension, title_of
+from sph.study.preflight import Row
 
 AMPLITUDE = "amplitude"
 """The dimension of the shaking."""
@@ -22,11 +24,27 @@ NOTICED = 0.5
 """Percent of the displacement below which nothing is saved."""
 
 
-def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> list[Table]:
+Slices = Mapping[str, tuple[str, str]]
+"""Factors of safety and yield acceleration by limit equilibrium in words, by the alternative."""
+
+
+def slices_of(table: pd.DataFrame, rows: Sequence[Row]) -> Slices:
+    """What limit equilibrium found before the runs, of the first slope of each alternative."""
+    found = dict[str, tuple[str, str]]()
+    for row in rows if ALTERNATIVE in table else ():
+        of = row.finding.numbers
+        if row.finding.code == "limit-equilibrium" and row.worst_run in table.index:
+            bishop = f"{of['bishop']:.2f}" if "bishop" in of else NOTHING
+            critical = in_both(of["critical"]) if "critical" in of else in_both(0.0) if of["spencer"] <= 1.0 else NOTHING
+            found.setdefault(str(table.loc[row.worst_run, ALTERNATIVE]), (f"{bishop}, {of['spencer']:.2f}", critical))
+    return found
+
+
+def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, slices: Slices | None = None) -> list[Table]:
     """What happens in each alternative, and what it saves of the displacement; no table of a study without alternatives.
 
     An alternative is compared with the scene as it is in the same runs, and what it saves is told of the run in which the scene as it is
-    moves farthest.
+    moves farthest.  Each has its own limits by ``slices``, where these are known of any.
     """
     if ALTERNATIVE not in table or BASE not in set(table[ALTERNATIVE]):
         return []
@@ -43,7 +61,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
     for name in dict.fromkeys(map(str, table[ALTERNATIVE])):
         runs, called = groups.get(name), AS_IT_IS if name == BASE else name
         if runs is None:
-            rows.append((called, "diverged", *[NOTHING] * (6 + 3 * len(places))))
+            rows.append((called, "diverged", *[NOTHING] * (6 + 3 * len(places) + 2 * bool(slices))))
             continue
         own = next((run for run in runs.to_dict("records") if all(run[key] == value for key, value in at.items())), None)
         rows.append(
@@ -57,6 +75,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
                 _length(own, "runout"),
                 NOTHING if name == BASE or own is None else saved(worst, own),
                 *(cell for place in places for cell in _at(runs, place)),
+                *((slices.get(name, (NOTHING, NOTHING))) if slices else ()),
             )
         )
     head = (
@@ -64,11 +83,12 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
         "worst class",
         "runs that fail",
         "fails from (of those run)",
-        "yield acceleration",
+        "yield acceleration (SPH)",
         f"displacement of {probe} (m)",
         "run-out (m)",
         "saves of the displacement",
         *(f"{place}: {what}" for place in places for what in ("runs that reach it", "first after (s of shaking)", "largest depth (m)")),
+        *(("factor of safety (Bishop, Spencer)", "yield acceleration (Spencer)") if slices else ()),
     )
     said = title_of(others, {key: str(value) for key, value in at.items()})
     note = f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest." if others else ""
@@ -168,14 +188,19 @@ def _why(run: Mapping[Any, Any]) -> str:
     reasons = (
         (is_braked(run["findings"]), "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"),
         (is_bounded(run["reached_side"]), "debris leaves the box (lengthen the apron)"),
-        (run["still_moving"] > 0, "soil still moves at the end (run it for longer)"),
+        (in_motion(run), f"soil still moves at the end ({_longer(run['time_to_rest'])})"),
     )
     return next(words for holds, words in reasons if holds)
 
 
+def _longer(time: float) -> str:
+    """What to do about a run that would come to rest after a time, s; NaN where it does not slow down."""
+    return "run it for longer, it does not slow down yet" if math.isnan(time) else f"run it for some {time:.2g} s more"
+
+
 def _goes_on(run: Mapping[Any, Any]) -> bool:
     """Whether displacement and run-out of a run are lower bounds, also since it still moves at its end."""
-    return is_lower_bound(run) or bool(run["still_moving"] > 0)
+    return is_lower_bound(run) or in_motion(run)
 
 
 def _length(run: Mapping[Any, Any] | None, name: str) -> str:

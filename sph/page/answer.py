@@ -14,7 +14,7 @@ from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
 from sph.measures.places import places_in
 from sph.measures.sides import BACK
-from sph.page.alternatives import AMPLITUDE, compared, verdict
+from sph.page.alternatives import AMPLITUDE, compared, slices_of, verdict
 from sph.page.facts import (
     NOT_SEARCHED,
     NOT_TESTED,
@@ -28,12 +28,13 @@ from sph.page.facts import (
     limit,
     runs_said,
     searched,
+    tested_rows,
     unshaken,
     when,
     yearly,
 )
 from sph.page.levels import levels, widths
-from sph.page.tables import Table, filled, turned
+from sph.page.tables import Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -83,11 +84,12 @@ def answer(
     """
     size = len(table) + missing
     rows = [row for file in found(FINDINGS) or found(CHECKED) for row in read_preflight(file)]
-    findings = [row.finding for row in rows]
-    why = held_back(table, rows)
     own = as_it_is(table)
+    findings = [row.finding for row in [row for row in rows if row.worst_run in own.index] or rows]  # not those of alternatives
+    why = held_back(table, rows)
     less = f"it may fail at less: {why}" if why else ""
     factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
+    how += tested_rows(findings)
     critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
@@ -107,7 +109,7 @@ def answer(
     return Answer(
         [_raised(words) for words in (first, beside, *places) if words],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
-        [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe)]
+        [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe, slices_of(table, rows))]
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
@@ -143,11 +145,12 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         else:
             words = [f"{level} {fail} of {len(known)} runs fail" + f", {collapse} of them by collapse" * bool(collapse)]
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
-        moving = int((known["still_moving"] > 0).sum())
+        moving = known[known["at_rest"] == 0]
         if (farthest := known["runout"].max()) > 0.0:
             words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe")
-        if moving:
-            words.append(f"soil still moves at the end of {runs_said(moving)}" if len(known) > 1 else "soil still moves at the end")
+        if len(moving):
+            of = f" of {runs_said(len(moving))}" * (len(known) > 1)
+            words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     places = places_in(table.columns) if len(known) else ()
     more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places]
     return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
@@ -166,7 +169,7 @@ def as_it_is(table: pd.DataFrame) -> pd.DataFrame:
 
 def _bound(known: pd.DataFrame) -> str:
     """Whether the largest run-out of some runs is that, or more was to come."""
-    return "at least" if (known["still_moving"] > 0).any() or lower_bounds(known).any() else "up to"
+    return "at least" if (known["at_rest"] == 0).any() or lower_bounds(known).any() else "up to"
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
@@ -218,10 +221,8 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
         "earthquake alone.",
     )
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no results.")
-    say(
-        ((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(),
-        "are still moving at the end: displacement and run-out are not final.",
-    )
+    if len(moving := table[(table["at_rest"] == 0) & (table["diverged"] == 0)]):
+        say(len(moving), f"are still moving at the end, {moves_on(moving)}: displacement and run-out are not final.")
     say(
         table["reached_side"].map(is_bounded).sum(),
         "have debris that reached the end of the box or went over it: displacement and run-out are lower bounds; lengthen the apron.",

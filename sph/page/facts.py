@@ -11,6 +11,7 @@ import pandas as pd
 
 from sph.checks.after_run import is_braked
 from sph.checks.finding import Finding
+from sph.checks.layers import MIN_IN_LAYER
 from sph.checks.messages import Severity, factor_words, limit_how, limit_words, search_words
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
@@ -20,6 +21,7 @@ from sph.figures.style import metres
 from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, STABLE
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.page.alternatives import AMPLITUDE
+from sph.page.tables import moves_on
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -85,6 +87,14 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
     how = f"static, a quick search{slopes} before the runs, {limit_how(found[0].numbers)}"
     return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
+
+
+def tested_rows(findings: Sequence[Finding]) -> str:
+    """How many rows of particles weak soil on stronger ground has in the quick search for the factor of safety, where they are too few."""
+    fine = [of.numbers["fine"] for of in findings if of.code == "factor-of-safety"]
+    thickness = {of.subject: of.numbers["thickness"] for of in findings if of.code in ("cover-rows", "weak-on-strong")}
+    few = [(rows, name) for name, deep in thickness.items() if fine and (rows := deep / min(fine)) < MIN_IN_LAYER]
+    return "".join(f"; with {rows:.2g} rows of particles in {name} at most, where {MIN_IN_LAYER} are needed" for rows, name in few)
 
 
 def _of_files(files: Sequence[str]) -> tuple[str, str]:
@@ -228,7 +238,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     known, there = of[REACHED].notna(), of[REACHED] > 0.0
     short = known & ~there
     braked = short & table["findings"].map(is_braked)
-    moving = short & ~braked & (table["still_moving"] > 0)
+    moving = short & ~braked & (table["at_rest"] == 0)
     still = short & ~braked & ~moving
     words, how = list[str](), list[str]()
     if there.any():
@@ -236,7 +246,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
         begins = f", first {first:.3g} s after the shaking begins" * (not math.isnan(first))
         words.append(f"reached in {there.sum()} of {runs_said(known.sum())}{begins}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
         speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
-        words.append(f"{speed} m/s and {pressure} kPa at most")
+        words.append(f"its fastest particle {speed} m/s; mean impact pressure over its depth {pressure} kPa at most")
     elif still.any() or not (known.any() or missing):
         words.append(f"not reached in {runs_said(still.sum())}")
     words += [f"not yet in {runs_said(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
@@ -245,8 +255,8 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     words += [f"its ground moves by up to {metres(of[GROUND].max())} m"] * bool(of[GROUND].max() >= min(AREA_THRESHOLDS.values()))
     gap = -float(of[PASSED][short].max())
     if not there.any() and gap > 0.0:
-        if (table["still_moving"][short] > 0).any():
-            how.append(f"the debris is at least {metres(gap)} m short of it then; run them for longer")
+        if len(on := table[short & (table["at_rest"] == 0)]):
+            how.append(f"the debris is at least {metres(gap)} m short of it then, and moves on: {moves_on(on)}")
         else:
             stops = f"the debris stops at least {metres(gap)} m short of it"
             how.append(f"the braked debris comes to {metres(gap)} m of it" if braked.any() else stops)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pandas as pd
 from pydantic import BaseModel
 
 from sph.checks.after_run import is_braked, is_lower_bound, is_open
@@ -150,8 +151,22 @@ def _status(row: Mapping[Any, Any]) -> str:
     met = f", debris at {row['reached_side'].replace(' ', ', ')}" if row["reached_side"] else ""
     braked = ", debris\N{NO-BREAK SPACE}braked" if is_braked(row["findings"]) and not row["diverged"] else ""
     energy = ", energy\N{NO-BREAK SPACE}error too\N{NO-BREAK SPACE}large" if is_open(row["energy_error"]) else ""
-    moving = ", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else ""
+    moving = ", still\N{NO-BREAK SPACE}moving" if in_motion(row) else ""
     return str(row["status"]) + moving + met + braked + energy
+
+
+def in_motion(run: Mapping[Any, Any]) -> bool:
+    """Whether a run that did not diverge still moves at its end, by its row of a study's table."""
+    return not run["at_rest"] and not run["diverged"]
+
+
+def moves_on(runs: pd.DataFrame) -> str:
+    """How much of the debris of runs in motion moves at their end, and for how long, in words."""
+    time = runs["time_to_rest"]
+    steady = int(time.isna().sum())
+    share = f"{100.0 * runs['moving_share'].max():.2g} % of the debris"
+    longer = f"does not slow down{f' in {steady} of them' * (len(runs) > 1)}" if steady else f"would for some {time.max():.2g} s more"
+    return f"{'up to ' * (len(runs) > 1)}{share}, and {longer}"
 
 
 def _at_least(row: Mapping[Any, Any], name: str) -> str:

@@ -210,6 +210,13 @@ def _layer_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return index
 
 
+def soil_along(scene: Scene, x: np.ndarray, y: np.ndarray) -> int:
+    """Number of the soil in which most of a line through places (points,) lies, m."""
+    at = [np.interp(np.arange(x.size * PARTS) / PARTS, np.arange(x.size), along) for along in (x, y)]
+    middle = [0.5 * (along[1:] + along[:-1]) for along in at]
+    return int(np.bincount(_layer_at(scene, *middle), weights=np.hypot(*(np.diff(along) for along in at))).argmax())
+
+
 def _strata(section: Section, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Heights (n, k + 1) of the sides of all layers in columns at places x (n,), from the base to the ground, m; the layer (n, k) between
     each two."""

@@ -276,9 +276,52 @@ class TestVerdicts:
         slid["kinetic_energy"][-3] = 0.5 * mass * 0.051**2
         assert measure(slid)["still_moving"] == 1
 
+    def test_a_few_particles_that_roll_on_do_not_keep_a_run_from_rest(self, slid: Run) -> None:
+        rolling = copied(slid)
+        soil = np.flatnonzero(rolling.soil & (rolling["y0"] > 10.0))  # the debris
+        few = soil.size // 100
+        rolling["velocity_x"][-1, soil[:few]] = -3.0
+        values = measure(rolling)
+        assert (values["at_rest"], values["time_to_rest"]) == (1, 0.0)
+        assert values["moving_share"] == pytest.approx(few / soil.size)
+        rolling["velocity_x"][-1, soil[few]] = -0.051  # one more, just as fast as counts
+        assert measure(rolling)["at_rest"] == 0
+
+    def test_a_slide_that_slows_down_is_told_how_long_it_goes_on(self) -> None:
+        """Speed 0.0234 m/s2 (20 s - t): below 0.05 m/s from 17.87 s on, of a run that ends at 15 s."""
+
+        def share(time: np.ndarray) -> np.ndarray:
+            return 1.0 - (1.0 - np.clip((time - 4.0) / 16.0, 0.0, 1.0)) ** 2
+
+        run = synthetic(translation(-3.0), share)
+        moves, time = run["velocity_x"][-1] != 0.0, run["time"]
+        run["velocity_x"][-3:, moves] = -(6.0 / 16.0**2 * (20.0 - time[-3:]))[:, None]
+        run["probe_velocity_x"][:] = 0.0  # by its places, not by its speed
+        values = measure(run)
+        assert (values["at_rest"], values["moving_share"]) == (0, 1.0)
+        assert values["time_to_rest"] == pytest.approx(2.87 + 0.25, abs=0.01), "the probe's is that of the middle of the window"
+        still = copied(run)
+        still["probe_displacement_x"][-30:] = -3.0
+        assert measure(still)["time_to_rest"] == pytest.approx(2.87, abs=0.01)
+        still["velocity_x"][-1] = 0.0
+        assert measure(still)["at_rest"] == 1
+        run["velocity_x"][-1] = 0.0
+        assert (measure(run)["at_rest"], measure(run)["moving_share"]) == (0, 0.0), "what is told of the probe is not final"
+
+    def test_a_speed_is_small_beside_a_large_displacement(self) -> None:
+        """0.3 m/s is less than a hundredth of 40 m a second, and more than that of 3 m."""
+        for far, at_rest in ((-40.0, 1), (-3.0, 0)):
+            run = synthetic(translation(far))
+            run["velocity_x"][-1, run["displacement_x"][-1] != 0.0] = -0.3
+            assert measure(run)["at_rest"] == at_rest
+
+    def test_what_has_only_begun_is_not_at_rest(self) -> None:
+        values = measure(synthetic(translation(-0.4), step_ramp(14.5, 20.0)))
+        assert (values["at_rest"], values["moving_share"]) == (0, 1.0) and math.isnan(float(values["time_to_rest"]))
+
     def test_a_diverged_run_has_a_status_and_a_cost_but_no_results(self) -> None:
         values = measure(synthetic(translation(-3.0), status="diverged"))
-        assert (values["status"], values["diverged"], values["still_moving"]) == ("diverged", 1, 1)
+        assert (values["status"], values["diverged"], values["still_moving"], values["at_rest"]) == ("diverged", 1, 1, 0)
         assert values["collapse_class"] == "undetermined"
         kept = {"shaking_start", "shaking_end", "time_step_ratio", "wall_time", "particle_steps_per_second"}
         assert nan_metrics(values) == {metric.name for metric in METRICS if metric.dtype == "f8"} - kept

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from synthetic import synthetic
+from synthetic import synthetic, translation
 
+from sph.measures.metrics import MetricSettings, debris_metrics
 from sph.measures.mobility import line_runout, residual_tangent
 from sph.scene.ground_line import GroundLine
 
@@ -51,3 +52,39 @@ def test_water_at_the_base_of_the_mass_flattens_the_energy_line() -> None:
     assert tangent(level=toe + 8.0) == pytest.approx(wet * dry, rel=1e-6)
     assert tangent(level=toe + 40.0) == pytest.approx(dry), "all of it under standing water"
     assert tangent(level=toe + 8.0, rise=0.6) == pytest.approx(0.4 * wet * dry, rel=1e-6)
+
+
+@pytest.mark.parametrize("settled", [0.0, 0.6, 2.0])
+def test_rock_that_settles_below_a_cover_does_not_change_its_energy_line(settled: float) -> None:
+    """By hand: a slope of 20 m at 1 : 2 whose cover keeps 12 degrees goes 20 m / tan(12) = 94.1 m from its crest, 54.1 m beyond its toe.
+
+    Below the cover rock that has failed, too, which keeps 33 degrees, moves by up to 2 m where the cover goes 30 m."""
+
+    def field(_: Any, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        depth = np.interp(x, [30.0, 70.0], [5.0, 25.0]) - y
+        cover = (depth < 3.0) & (y > 5.0) & (x < 75.0)
+        return np.where(cover, -30.0, np.where(depth < 6.0, -settled, 0.0)), np.zeros(x.size)
+
+    def strength(angle: float, residual: float) -> dict[str, float]:
+        return {"friction_angle": angle, "residual_friction_angle": residual, "residual_cohesion": 0.0}
+
+    run = synthetic(
+        field,
+        overrides={
+            "geometry": {"shape": "slope", "slope_angle": math.degrees(math.atan(0.5)), "slope_height": 20.0, "base_depth": 5.0}
+            | {"apron_length": 30.0, "crest_length": 30.0},
+            "soil": strength(22.0, 12.0),
+            "layers": {"rock": {"region": {"kind": "depth", "top": 3.0}, "soil": strength(36.0, 33.0)}},
+        },
+    )
+    found = debris_metrics(run, MetricSettings())
+    assert found["energy_line_angle"] == pytest.approx(12.0)
+    assert found["energy_line_runout"] == pytest.approx(20.0 / math.tan(math.radians(12.0)) - 40.0)
+
+
+def test_a_block_has_the_energy_line_of_the_weak_layer_on_which_it_slides() -> None:
+    """By hand: 10 degrees of the clay at the level of the toe, not the 15 of the sand that makes up most of the mass."""
+    soil = {"friction_angle": 30.0, "residual_friction_angle": 15.0, "residual_cohesion": 0.0}
+    clay = {"region": {"kind": "elevation", "top": 14.0, "bottom": 9.0}, "soil": {"friction_angle": 20.0, "residual_friction_angle": 10.0}}
+    run = synthetic(translation(-3.0), overrides={"soil": soil, "layers": {"clay": clay}})
+    assert debris_metrics(run, MetricSettings())["energy_line_angle"] == pytest.approx(10.0)

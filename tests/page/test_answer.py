@@ -25,7 +25,9 @@ RUNS = pd.DataFrame(
         "reached_side": ["", "", "", "", "", "front"],
         "findings": "",
         "expected_runout_error": [0.12] * 6,
-        "still_moving": [0] * 6,
+        "at_rest": [1] * 6,
+        "moving_share": 0.0,
+        "time_to_rest": 0.0,
         "shaking_start": 3.0,
     }
 ).assign(
@@ -49,6 +51,8 @@ RUNS = pd.DataFrame(
     energy_line_runout=math.nan,
     corominas_runout=math.nan,
 )
+MOVING: dict[str, Any] = {"moving_share": 0.12, "time_to_rest": 7.5}
+"""How runs that are not at rest move on."""
 LOST = RUNS.assign(**{name: math.nan for name in RUNS if name.startswith(("road_", "house_"))})
 """The same without what is at the places, as if all runs had diverged."""
 
@@ -57,7 +61,8 @@ def test_what_the_debris_does_at_a_place() -> None:
     assert at_places(RUNS) == [
         (
             "At road",
-            "reached in 2 of 6 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most",
+            "reached in 2 of 6 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
+            "mean impact pressure over its depth 31 kPa at most",
             "",
         ),
         ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
@@ -66,18 +71,18 @@ def test_what_the_debris_does_at_a_place() -> None:
 
 
 def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> None:
-    road, house = at_places(RUNS.assign(still_moving=[0, 0, 0, 1, 1, 1]))
+    road, house = at_places(RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING))
     assert house == (
         "At house",
         "not reached in 3 runs; not yet in 3 runs, whose debris still moves at the end",
-        "the debris is at least 10.0 m short of it then; run them for longer",
+        "the debris is at least 10.0 m short of it then, and moves on: up to 12 % of the debris, and would for some 7.5 s more",
     )
     assert road[1].endswith("at most; not yet in 1 run, whose debris still moves at the end")
-    _, house = at_places(RUNS.assign(still_moving=1))
+    _, house = at_places(RUNS.assign(at_rest=0, **MOVING))
     assert house[1] == "not yet in 6 runs, whose debris still moves at the end" and "stops" not in house[2]
-    _, house = at_places(RUNS.assign(still_moving=[0, 0, 0, 1, 1, 1], findings=["layer-held"] * 2 + [""] * 4), "why")
+    _, house = at_places(RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING, findings=["layer-held"] * 2 + [""] * 4), "why")
     assert house[1].startswith("not reached in 1 run; not yet in 3 runs") and "stops" not in house[2]
-    _, house = at_places(RUNS.assign(still_moving=1, findings="layer-held"), "why")
+    _, house = at_places(RUNS.assign(at_rest=0, **MOVING, findings="layer-held"), "why")
     assert house[1].startswith("unknown in 6 runs") and "stops" not in house[2], "braked soil moves, too"
 
 
@@ -185,10 +190,14 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     fails = "At 4 m/s2 (0.408 g) 3 of 4 runs fail, 2 of them by collapse"
     assert said(bare, []) == f"{fails}; debris runs at least 20.0 m beyond the toe.", "one met the end of the box"
     assert said(bare.assign(reached_side=""), []) == f"{fails}; debris runs up to 20.0 m beyond the toe."
-    moving = "; debris runs at least 20.0 m beyond the toe; soil still moves at the end of 4 runs."
-    assert said(bare.assign(reached_side="", still_moving=1), []) == fails + moving
+    moving = "; debris runs at least 20.0 m beyond the toe; soil still moves at the end of 4 runs, up to 12 % of the debris, and "
+    on = bare.assign(reached_side="", at_rest=0, **MOVING)
+    assert said(on, []) == f"{fails}{moving}would for some 7.5 s more."
+    on["time_to_rest"] = [math.nan] * 3 + [2.0] * 3
+    assert said(on, []) == f"{fails}{moving}does not slow down in 1 of them."
     assert said(runs, []).endswith(
-        ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; 4.2 m/s and 31 kPa at most. "
+        ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
+        "mean impact pressure over its depth 31 kPa at most. "
         "house: not reached in 4 runs; the debris stops at least 10.0 m short of it."
     )
     assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brute
 
-from sph.checks.equilibrium import found_equilibrium, of_equilibrium, slip_at_base
+from sph.checks.equilibrium import factor_below_1, found_equilibrium, of_equilibrium, slip_at_base
 from sph.checks.finding import Finding, finding
 from sph.checks.messages import line, sentence, words
 from sph.command.check import check, equilibrium_rows
@@ -274,6 +274,25 @@ def clay(**changes: Any) -> Scene:
         "numerics": {"spacing": 0.5},
     }
     return make_scene(merge(data, dotted(changes)))
+
+
+def test_a_slope_that_does_not_stand_is_told_the_strength_with_which_it_does() -> None:
+    """By closed forms: without friction F is in proportion to c; an infinite slope of sand stands with an angle of its inclination."""
+    weak = clay(**{"soil.cohesion": 10.0})
+    factor = limit_equilibrium(weak).spencer.value
+    (told,) = [each for each in check(weak).findings if each.code == "factor-below-1"]
+    assert told.severity == "warning" and told.numbers["value"] == factor < 1.0
+    assert told.numbers["cohesion"] == pytest.approx(1e4 / factor, rel=EXACT)
+    assert f"{factor:.2f} (Spencer), should be at least 1, as with a cohesion of {10.0 / factor:.2g}" in line(told)
+
+    (sand,) = factor_below_1(loose := clay(**{"soil.cohesion": 0.0, "soil.friction_angle": 25.0}), found_equilibrium(loose))
+    assert math.degrees(sand.numbers["friction_angle"]) == pytest.approx(30.0, rel=EXACT)
+    assert "a friction angle of 30 degree in soil; change soil.cohesion or" in line(sand)
+
+    cover = {"cover": {"region": {"kind": "depth", "bottom": 2.0}, "soil": {"cohesion": 2.0, "friction_angle": 0.0}}}
+    (thin,) = factor_below_1(layered := clay(layers=cover), found_equilibrium(layered))
+    assert (thin.subject, thin.keys[0]) == ("cover", "layers.cover.soil.cohesion")
+    assert factor_below_1(clay(), None) == []
 
 
 @pytest.mark.parametrize(

@@ -13,15 +13,18 @@ import pytest
 import yaml
 from small_scenes import SLOPE
 
+from sph.checks.finding import finding
 from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
-from sph.page.alternatives import compared, verdict
+from sph.page.alternatives import compared, slices_of, verdict
+from sph.page.facts import tested_rows
 from sph.page.tables import turned
 from sph.scene.schema import make_scene
 from sph.solver.particles import place_particles
 from sph.study.dimensions import Dimension
 from sph.study.plan import Plan
+from sph.study.preflight import Row
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "how-to" / "studies.md"
@@ -132,7 +135,8 @@ def table_of(**columns: list[Any]) -> pd.DataFrame:
             "house_peak_depth": [0.0, 1.5, 0.0, 0.1, 0.0, 0.0],
             "house_arrival": [math.nan, 9.5] + [math.nan] * 4,
             "shaking_start": 3.0,
-            "still_moving": 0,
+            "at_rest": 1,
+            "time_to_rest": 7.5,
             "diverged": 0,
             "reached_side": "",
             "findings": "",
@@ -163,20 +167,33 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     assert compared(table_of().drop(columns="alternative"), DIMENSIONS[:1], "A") == []
 
 
+def test_each_alternative_has_its_own_factor_of_safety() -> None:
+    runs = table_of().set_index(pd.Index([f"run-{number}" for number in range(6)]))
+    base = finding("limit-equilibrium", bishop=1.44, spencer=1.26, critical=1.09)
+    drained = finding("limit-equilibrium", bishop=1.65, spencer=1.51, critical=2.11)
+    (found,) = compared(runs, DIMENSIONS, "A", slices_of(runs, [Row(drained, 2, "run-2"), Row(base, 2, "run-0")]))
+    assert [row[-2:] for row in found.rows] == [("1.44, 1.26", "1.09 m/s2 (0.111 g)"), ("1.65, 1.51", "2.11 m/s2 (0.215 g)"), ("–", "–")]
+    assert all(len(row) == len(found.head) for row in found.rows)
+    cover = finding("cover-rows", subject="cover", value=1.0, ground="rock", rows=3.1, thickness=3.0)
+    factor = finding("factor-of-safety", value=1.44, error=0.34, coarse=2.0, fine=1.5, step_taken=True)
+    assert tested_rows([cover, factor]) == "; with 2 rows of particles in cover at most, where 4 are needed"
+    assert tested_rows([cover]) == ""
+
+
 def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
     """Of runs that still move, reach an end of the box or are braked; of a run that diverged nothing is said."""
     for moving, wanted in (
         ([0, 1, 0, 0, 0, 0], "≥ 6.00 m (60 %)"),
         ([0, 0, 0, 1, 0, 0], "at most 6.00 m (60 %)"),
-        ([0, 1, 0, 1, 0, 0], "unknown: in both soil still moves at the end (run it for longer)"),
+        ([0, 1, 0, 1, 0, 0], "unknown: in both soil still moves at the end (run it for some 7.5 s more)"),
     ):
-        (found,) = compared(table_of(still_moving=moving), DIMENSIONS, "A")
+        (found,) = compared(table_of(at_rest=[1 - each for each in moving]), DIMENSIONS, "A")
         assert found.rows[1][7] == wanted
         assert found.rows[1][8] == ("≥ 0 of 2" if moving[3] else "0 of 2"), "debris that still moves may reach it"
     braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
     (found,) = compared(table_of(findings=["", "weak-on-strong"] + ["", "layer-held"] + [""] * 2), DIMENSIONS, "A")
     assert found.rows[1][7] == f"unknown: in both {braked}"
-    (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, still_moving=[0, 0, 0, 1, 0, 0]), DIMENSIONS, "A")
+    (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, at_rest=[1, 1, 1, 0, 1, 1]), DIMENSIONS, "A")
     assert found.rows[1][7].startswith(f"unknown: as it is {braked}, and with it soil still moves")
     (found,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.0, 12.0, 0.0, 0.1]), DIMENSIONS, "A")
     assert found.rows[1][7] == "2.00 m (20 %) more movement"
