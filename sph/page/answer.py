@@ -24,11 +24,11 @@ from sph.page.facts import (
     at_residual,
     claims,
     drifts,
+    few_rows,
     going,
     limit,
     runs_said,
     searched,
-    tested_rows,
     unshaken,
     when,
     yearly,
@@ -89,7 +89,7 @@ def answer(
     why = held_back(table, rows)
     less = f"it may fail at less: {why}" if why else ""
     factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
-    how += tested_rows(findings)
+    how += few_rows(findings)
     critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [

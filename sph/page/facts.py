@@ -89,7 +89,7 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
     return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
 
 
-def tested_rows(findings: Sequence[Finding]) -> str:
+def few_rows(findings: Sequence[Finding]) -> str:
     """How many rows of particles weak soil on stronger ground has in the quick search for the factor of safety, where they are too few."""
     fine = [of.numbers["fine"] for of in findings if of.code == "factor-of-safety"]
     thickness = {of.subject: of.numbers["thickness"] for of in findings if of.code in ("cover-rows", "weak-on-strong")}

@@ -18,7 +18,7 @@ from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
 from sph.page.alternatives import compared, slices_of, verdict
-from sph.page.facts import tested_rows
+from sph.page.facts import few_rows
 from sph.page.tables import turned
 from sph.scene.schema import make_scene
 from sph.solver.particles import place_particles
@@ -176,8 +176,8 @@ def test_each_alternative_has_its_own_factor_of_safety() -> None:
     assert all(len(row) == len(found.head) for row in found.rows)
     cover = finding("cover-rows", subject="cover", value=1.0, ground="rock", rows=3.1, thickness=3.0)
     factor = finding("factor-of-safety", value=1.44, error=0.34, coarse=2.0, fine=1.5, step_taken=True)
-    assert tested_rows([cover, factor]) == "; with 2 rows of particles in cover at most, where 4 are needed"
-    assert tested_rows([cover]) == ""
+    assert few_rows([cover, factor]) == "; with 2 rows of particles in cover at most, where 4 are needed"
+    assert few_rows([cover]) == ""
 
 
 def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
