@@ -15,6 +15,7 @@ from sph.measures.places import REACHED, column_of, places_in
 from sph.page.tables import Table, in_motion
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AS_IT_IS, BASE, Dimension, title_of
+from sph.study.preflight import Row
 
 AMPLITUDE = "amplitude"
 """The dimension of the shaking."""
@@ -23,11 +24,27 @@ NOTICED = 0.5
 """Percent of the displacement below which nothing is saved."""
 
 
-def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> list[Table]:
+Slices = Mapping[str, tuple[str, str]]
+"""Factors of safety and yield acceleration by limit equilibrium in words, by the alternative."""
+
+
+def slices_of(table: pd.DataFrame, rows: Sequence[Row]) -> Slices:
+    """What limit equilibrium found before the runs, of the first slope of each alternative."""
+    found = dict[str, tuple[str, str]]()
+    for row in rows if ALTERNATIVE in table else ():
+        of = row.finding.numbers
+        if row.finding.code == "limit-equilibrium" and row.worst_run in table.index:
+            bishop = f"{of['bishop']:.2f}" if "bishop" in of else NOTHING
+            critical = in_both(of["critical"]) if "critical" in of else in_both(0.0) if of["spencer"] <= 1.0 else NOTHING
+            found.setdefault(str(table.loc[row.worst_run, ALTERNATIVE]), (f"{bishop}, {of['spencer']:.2f}", critical))
+    return found
+
+
+def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, slices: Slices | None = None) -> list[Table]:
     """What happens in each alternative, and what it saves of the displacement; no table of a study without alternatives.
 
     An alternative is compared with the scene as it is in the same runs, and what it saves is told of the run in which the scene as it is
-    moves farthest.
+    moves farthest.  Each has its own limits by ``slices``, where these are known of any.
     """
     if ALTERNATIVE not in table or BASE not in set(table[ALTERNATIVE]):
         return []
@@ -44,7 +61,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
     for name in dict.fromkeys(map(str, table[ALTERNATIVE])):
         runs, called = groups.get(name), AS_IT_IS if name == BASE else name
         if runs is None:
-            rows.append((called, "diverged", *[NOTHING] * (6 + len(places))))
+            rows.append((called, "diverged", *[NOTHING] * (6 + len(places) + 2 * bool(slices))))
             continue
         own = next((run for run in runs.to_dict("records") if all(run[key] == value for key, value in at.items())), None)
         rows.append(
@@ -58,6 +75,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
                 _length(own, "runout"),
                 NOTHING if name == BASE or own is None else saved(worst, own),
                 *(_reached(runs, column_of(place, REACHED)) for place in places),
+                *((slices.get(name, (NOTHING, NOTHING))) if slices else ()),
             )
         )
     head = (
@@ -65,11 +83,12 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -
         "worst class",
         "runs that fail",
         "fails from (of those run)",
-        "yield acceleration",
+        "yield acceleration (SPH)",
         f"displacement of {probe} (m)",
         "run-out (m)",
         "saves of the displacement",
         *(f"runs that reach {place}" for place in places),
+        *(("factor of safety (Bishop, Spencer)", "yield acceleration (Spencer)") if slices else ()),
     )
     said = title_of(others, {key: str(value) for key, value in at.items()})
     note = f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest." if others else ""

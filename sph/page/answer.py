@@ -14,7 +14,7 @@ from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
 from sph.measures.places import places_in
 from sph.measures.sides import BACK
-from sph.page.alternatives import AMPLITUDE, compared, verdict
+from sph.page.alternatives import AMPLITUDE, compared, slices_of, verdict
 from sph.page.facts import (
     NOT_SEARCHED,
     NOT_TESTED,
@@ -24,6 +24,7 @@ from sph.page.facts import (
     at_residual,
     claims,
     drifts,
+    few_rows,
     going,
     limit,
     runs_said,
@@ -82,11 +83,12 @@ def answer(
     """
     size = len(table) + missing
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
-    findings = [row.finding for row in rows]
-    why = held_back(table, rows)
     own = as_it_is(table)
+    findings = [row.finding for row in [row for row in rows if row.worst_run in own.index] or rows]  # not those of alternatives
+    why = held_back(table, rows)
     less = f"it may fail at less: {why}" if why else ""
     factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
+    how += few_rows(findings)
     critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
@@ -105,7 +107,10 @@ def answer(
     return Answer(
         [_raised(words) for words in (first, beside, *places) if words],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
-        [filled(each) for each in (*compared(table, dimensions, probe), levels(own, dimensions, probe, why), *widths(own))],
+        [
+            filled(each)
+            for each in (*compared(table, dimensions, probe, slices_of(table, rows)), levels(own, dimensions, probe, why), *widths(own))
+        ],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
         expected_sentence(scene, not client).split(", since" if client else "\n")[0]

@@ -11,6 +11,7 @@ import pandas as pd
 
 from sph.checks.after_run import is_braked
 from sph.checks.finding import Finding
+from sph.checks.layers import MIN_IN_LAYER
 from sph.checks.messages import Severity, factor_words, limit_how, limit_words, search_words
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
@@ -86,6 +87,14 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
     how = f"static, a quick search{slopes} before the runs, {limit_how(found[0].numbers)}"
     return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
+
+
+def few_rows(findings: Sequence[Finding]) -> str:
+    """How many rows of particles weak soil on stronger ground has in the quick search for the factor of safety, where they are too few."""
+    fine = [of.numbers["fine"] for of in findings if of.code == "factor-of-safety"]
+    thickness = {of.subject: of.numbers["thickness"] for of in findings if of.code in ("cover-rows", "weak-on-strong")}
+    few = [(rows, name) for name, deep in thickness.items() if fine and (rows := deep / min(fine)) < MIN_IN_LAYER]
+    return "".join(f"; with {rows:.2g} rows of particles in {name} at most, where {MIN_IN_LAYER} are needed" for rows, name in few)
 
 
 def _of_files(files: Sequence[str]) -> tuple[str, str]:

@@ -41,7 +41,7 @@ from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, dividing, slope_height, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
+from sph.study.tables import MAX_SLOPES, count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
 """Relative width of the brackets in which the searches of a study end."""
@@ -218,6 +218,9 @@ def study_limits(
             continue
         if spent > LONGEST:
             unsearched += names
+            if len(slopes) <= MAX_SLOPES:  # limit equilibrium takes a second
+                for each in equilibrium.of_equilibrium(scene):
+                    by_finding.setdefault(each, []).extend(names)
             continue
         of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
         for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):

@@ -13,14 +13,17 @@ import pytest
 import yaml
 from small_scenes import SLOPE
 
+from sph.checks.finding import finding
 from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
-from sph.page.alternatives import compared, verdict
+from sph.page.alternatives import compared, slices_of, verdict
+from sph.page.facts import few_rows
 from sph.scene.schema import make_scene
 from sph.solver.particles import place_particles
 from sph.study.dimensions import Dimension
 from sph.study.plan import Plan
+from sph.study.preflight import Row
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "how-to" / "studies.md"
@@ -156,6 +159,19 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     ]
     assert "amplitude 4.0 m/s²" in found.note
     assert compared(table_of().drop(columns="alternative"), DIMENSIONS[:1], "A") == []
+
+
+def test_each_alternative_has_its_own_factor_of_safety() -> None:
+    runs = table_of().set_index(pd.Index([f"run-{number}" for number in range(6)]))
+    base = finding("limit-equilibrium", bishop=1.44, spencer=1.26, critical=1.09)
+    drained = finding("limit-equilibrium", bishop=1.65, spencer=1.51, critical=2.11)
+    (found,) = compared(runs, DIMENSIONS, "A", slices_of(runs, [Row(drained, 2, "run-2"), Row(base, 2, "run-0")]))
+    assert [row[-2:] for row in found.rows] == [("1.44, 1.26", "1.09 m/s2 (0.111 g)"), ("1.65, 1.51", "2.11 m/s2 (0.215 g)"), ("–", "–")]
+    assert all(len(row) == len(found.head) for row in found.rows)
+    cover = finding("cover-rows", subject="cover", value=1.0, ground="rock", rows=3.1, thickness=3.0)
+    factor = finding("factor-of-safety", value=1.44, error=0.34, coarse=2.0, fine=1.5, step_taken=True)
+    assert few_rows([cover, factor]) == "; with 2 rows of particles in cover at most, where 4 are needed"
+    assert few_rows([cover]) == ""
 
 
 def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
