@@ -15,6 +15,7 @@ from sph.checks.layers import of_layers
 from sph.checks.loss import of_loss, of_softening
 from sph.checks.motion import not_rigid, of_damping, of_motion
 from sph.checks.soil import of_rest, of_soils
+from sph.checks.step_limits import step_limits
 from sph.scene.geometry import Slope
 from sph.scene.ground_line import GroundLine, largest_climb
 from sph.scene.ground_motion.record import Record, processed
@@ -27,7 +28,7 @@ from sph.scene.walls import wall_words
 from sph.scene.water import standing_water
 from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
-from sph.solver.time_step import limits, wave_speed_ratio
+from sph.solver.time_step import wave_speed_ratio
 from sph.stability.extrapolation import at_spacing
 
 MIN_IN_HEIGHT = 12
@@ -397,7 +398,7 @@ def _series(scene: Scene) -> list[Finding]:
 
 
 def _step(scene: Scene) -> list[Finding]:
-    smallest = min(limits(scene), key=lambda limit: limit.seconds)
+    smallest = min(step_limits(scene), key=lambda limit: limit.seconds)
     step, bound = scene.numerics.time_step, SHARE_OF_LIMIT * smallest.seconds
     if scene.numerics.adaptive_step is not None or step <= bound:
         return []

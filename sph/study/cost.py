@@ -19,11 +19,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from sph.checks.step_limits import step_limits
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import compile_lock
 from sph.solver.particles import place_particles
 from sph.solver.simulation import POWER_ITERATIONS
-from sph.solver.time_step import limits
 from sph.stability.extrapolation import at_spacing, unasked_spacings
 from sph.stability.record import SEARCHES
 from sph.stability.standing import FailureRule, static_scene
@@ -155,27 +154,12 @@ def _substeps(scene: Scene) -> tuple[int, int]:
     numerics = scene.numerics
     if numerics.adaptive_step is None:
         return 1, 1
-    acoustic, smallest = _limits(scene)
+    limits = [limit.seconds for limit in step_limits(scene)]
+    acoustic, smallest = limits[0], min(limits)
     stiffening = STIFFENING * numerics.smoothing_length / numerics.spacing if _softens(scene) else 1.0
     debris = min(smallest, acoustic / max(stiffening, 1.0))
     calm, moving = (math.ceil(numerics.time_step / (numerics.adaptive_step.courant * limit) - 1e-9) for limit in (smallest, debris))
     return max(calm, 1), max(moving, 1)
-
-
-UNLIKE = ("name", "title", "duration", "motion", "outputs", "probes")
-"""Keys in which scenes of a study often differ, and which the limits do not depend on."""
-_known: dict[str, tuple[float, float]] = {}
-"""Limits by all other keys: a study may have ten thousand scenes."""
-
-
-def _limits(scene: Scene) -> tuple[float, float]:
-    """Acoustic and smallest limit of the time step in the lattice, s."""
-    key = scene.model_dump_json(exclude=dict.fromkeys(UNLIKE, True) | {"coupling": {"S_R", "gamma"}})
-    if key not in _known:
-        with compile_lock(required=False):
-            seconds = [limit.seconds for limit in limits(scene)]
-        _known[key] = seconds[0], min(seconds)
-    return _known[key]
 
 
 class Needs(NamedTuple):

@@ -133,6 +133,12 @@ def test_the_static_test_softens_nothing_and_shakes_nothing() -> None:
     assert loaded.duration == pytest.approx(calm.duration + 1.0)
 
 
+@pytest.mark.parametrize(("stage", "sample"), [(2.0, 0.25), (2.1, 0.05), (2.01, 0.01)])
+def test_the_static_test_samples_as_rarely_as_frames_and_the_gravity_stage_allow(stage: float, sample: float) -> None:
+    outputs = static_scene(layer({"gravity.duration": stage}), FailureRule()).outputs
+    assert outputs.frame_interval == 0.25 and outputs.series_interval == pytest.approx(sample)
+
+
 @pytest.mark.parametrize(("ratio", "reading", "kept"), [(2.3, "half_support", False), (1.2, "half_support", True), (2.4, "support", True)])
 def test_the_static_test_has_a_small_kernel_and_its_own_viscosity(ratio: float, reading: str, kept: bool) -> None:
     wide = layer({"numerics.smoothing_ratio": ratio, "numerics.smoothing_length_is": reading, "geometry.width": 12.0, "walls.layers": 5})
