@@ -555,4 +555,4 @@ def test_the_soil_that_fails_is_shown_where_it_lay() -> None:
     shown = circles(figure)[0].get_offsets()
     np.testing.assert_allclose(shown, np.column_stack([run[axis][run.gravity_frame, :40] for axis in "xy"]))
     named = [text.get_text().partition(":")[0] for text in figure.legends[0].get_texts()]
-    assert named[1:] == ["SPH", "critical surface, Bishop", "critical surface, Spencer"]
+    assert named[1:] == ["SPH (dots)", "critical surface, Bishop", "critical surface, Spencer"]
