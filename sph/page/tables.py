@@ -162,11 +162,12 @@ def in_motion(run: Mapping[Any, Any]) -> bool:
 
 def moves_on(runs: pd.DataFrame) -> str:
     """How much of the debris of runs in motion moves at their end, and for how long, in words."""
-    time = runs["time_to_rest"]
+    time, share = runs["time_to_rest"], 100.0 * float(runs["moving_share"].max())
     steady = int(time.isna().sum())
-    share = f"{100.0 * runs['moving_share'].max():.2g} % of the debris"
-    longer = f"does not slow down{f' in {steady} of them' * (len(runs) > 1)}" if steady else f"would for some {time.max():.2g} s more"
-    return f"{'up to ' * (len(runs) > 1)}{share}, and {longer}"
+    longer = f"needs some {time.max():.2g} s more to rest"
+    if steady:
+        longer = "does not slow down yet" + f" in {steady} of them" * (steady < len(runs))
+    return f"{'up to ' * (len(runs) > 1)}{share:.0f} % of the debris, which {longer}" if share >= 0.5 else longer
 
 
 def _at_least(row: Mapping[Any, Any], name: str) -> str:

@@ -75,7 +75,7 @@ def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> Non
     assert house == (
         "At house",
         "not reached in 3 runs; not yet in 3 runs, whose debris still moves at the end",
-        "the debris is at least 10.0 m short of it then, and moves on: up to 12 % of the debris, and would for some 7.5 s more",
+        "the debris is at least 10.0 m short of it then, and moves on: up to 12 % of the debris, which needs some 7.5 s more to rest",
     )
     assert road[1].endswith("at most; not yet in 1 run, whose debris still moves at the end")
     _, house = at_places(RUNS.assign(at_rest=0, **MOVING))
@@ -190,11 +190,11 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     fails = "At 4 m/s2 (0.408 g) 3 of 4 runs fail, 2 of them by collapse"
     assert said(bare, []) == f"{fails}; debris runs at least 20.0 m beyond the toe.", "one met the end of the box"
     assert said(bare.assign(reached_side=""), []) == f"{fails}; debris runs up to 20.0 m beyond the toe."
-    moving = "; debris runs at least 20.0 m beyond the toe; soil still moves at the end of 4 runs, up to 12 % of the debris, and "
+    moving = "; debris runs at least 20.0 m beyond the toe; soil still moves at the end of 4 runs, up to 12 % of the debris, which "
     on = bare.assign(reached_side="", at_rest=0, **MOVING)
-    assert said(on, []) == f"{fails}{moving}would for some 7.5 s more."
+    assert said(on, []) == f"{fails}{moving}needs some 7.5 s more to rest."
     on["time_to_rest"] = [math.nan] * 3 + [2.0] * 3
-    assert said(on, []) == f"{fails}{moving}does not slow down in 1 of them."
+    assert said(on, []) == f"{fails}{moving}does not slow down yet in 1 of them."
     assert said(runs, []).endswith(
         ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
         "mean impact pressure over its depth 31 kPa at most. "
