@@ -32,6 +32,8 @@ SMALLEST = 1e-3
 """Value below which its change counts over this, since a critical coefficient may be 0."""
 SAME_ROOT = 1e-3
 """Largest difference from 1 of the factor of safety under a critical coefficient."""
+LEAST_COEFFICIENT = 0.1
+"""Critical coefficient, at least, over (F - 1) sin(alpha); it is 1 / (cos(alpha) + sin(alpha) tan(phi)) on a plane."""
 MAX_TURN = 0.35
 """Largest change of an inclination in a round, rad."""
 TINY = 1e-9
@@ -115,13 +117,19 @@ def spencer(slices: Slices, k: float | np.ndarray = 0.0) -> Balance:
 def spencer_coefficient(slices: Slices) -> Balance:
     """Critical coefficients of surfaces of any shape by Spencer's method; negative where F < 1 without a load.
 
-    The two equations may have a further root, with another theta, that no load from nothing upwards comes to: under that k the factor of
-    safety is not 1, and it counts as none.
+    The two equations may have further roots, with another theta, that no load from nothing upwards comes to, and which count as none: under
+    that k the factor of safety is not 1, or k has not the sign of F - 1, or next to nothing of what it is on a plane as steep as the chord.
     """
     balance = _without_negative_strength(slices, lambda s: _spencer(s, None))
     there = np.isfinite(balance.value)
-    factor = spencer(slices, np.where(there, balance.value, 0.0)).value
-    other = np.isfinite(factor) & (np.abs(factor - 1.0) > SAME_ROOT)  # no factor at all, as close to much tension, tells nothing
+    k = np.where(there, balance.value, 0.0)
+    unloaded, loaded = (spencer(slices, each).value - 1.0 for each in (0.0, k))
+    rise, length = (slices.length * np.sin(slices.inclination)).sum(axis=1), slices.length.sum(axis=1)
+    # No factor at all, as close to much tension, tells nothing.
+    other = np.isfinite(loaded) & (np.abs(loaded) > SAME_ROOT)
+    with np.errstate(invalid="ignore"):
+        least = LEAST_COEFFICIENT * unloaded * rise / length
+        other |= (np.abs(unloaded) > SAME_ROOT) & np.isfinite(unloaded) & (k * np.sign(unloaded) < np.abs(least))
     return balance._replace(value=np.where(there & ~other, balance.value, np.inf))
 
 

@@ -222,6 +222,18 @@ def test_the_critical_coefficient_of_a_surface_is_where_its_factor_is_one() -> N
     assert spencer(slices, k + 0.05).value[0] < 1.0 < spencer(slices, k - 0.05).value[0]
 
 
+def test_a_wet_cover_that_just_stands_yields_as_one_on_a_plane() -> None:
+    """Surfaces on the edge of what balances have a further root near k = 0, which is none of a slope that stands."""
+    points = [[-100.0, 0.0], [0.0, 0.0], [31.17691454, 18.0], [85.17691454, 18.0]]
+    rock = {"region": {"kind": "depth", "top": 3.5}, "soil": soil(200.0, 38.0, 21.57)}
+    wet = {"pressure": "carried", "points": [[x, y - 2.0] for x, y in points]}
+    found = limit_equilibrium(ground(points, -9.0, soil(7.0, 27.0, 18.5), layers={"rock": rock}, water=wet))
+    factor, sine, cosine = found.spencer.value, math.sin(math.radians(30.0)), math.cos(math.radians(30.0))
+    on_a_plane = (factor - 1.0) * sine / (cosine + sine * math.tan(math.radians(27.0)))
+    assert factor == pytest.approx(1.06, abs=0.01)
+    assert found.critical.value == pytest.approx(on_a_plane, rel=0.15)
+
+
 def test_a_mirrored_slope_has_the_same_factors() -> None:
     points, own = ACADS_1, soil(3.0, 19.6, 20.0)
     mirrored = ground([[-x, y] for x, y in points][::-1], 20, own, **{"geometry.downhill": "right"})
