@@ -6,6 +6,7 @@ What is imported to read a text is imported then: ``sph --help`` waits for nothi
 from __future__ import annotations
 
 import re
+import typing
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -162,10 +163,10 @@ def parse_acceleration(text: str, option: str) -> float:
 
 def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | None, component: str | None = None) -> dict[str, Any]:
     """The options that treat a record as the keys of a scene's ``motion``, those that were given; ValueError names the option."""
+    from sph.scene.ground_motion.units import Unit
     from sph.scene.names import check_known
-    from sph.scene.units import SIZES
 
-    check_known("--unit", [unit], tuple(SIZES))
+    check_known("--unit", [unit], typing.get_args(Unit))
     treatment: dict[str, Any] = {} if unit is None else {"unit": unit}
     if component is not None:
         treatment["component"] = component

@@ -89,3 +89,7 @@ def test_a_record_without_names_needs_a_unit(tmp_path: Path) -> None:
     assert displacement(path, "--ay", "0.3g", "--unit", "g") == pytest.approx(0.5 * 0.6 * 9.81 * 0.2**2, rel=1e-12)
     assert CliRunner().invoke(app, ["motion", str(path)]).exit_code == 2
     assert json.loads(call("motion", path, "--unit", "g", "--json").stdout)["horizontal"]["peak_acceleration"] == pytest.approx(5.886)
+    velocity = tmp_path / "velocity.csv"
+    velocity.write_text("time (s),velocity\n" + "".join(f"{0.01 * k:.2f},{0.02 * k:.2f}\n" for k in range(50)), encoding="utf-8")
+    found = json.loads(call("motion", velocity, "--unit", "m/s", "--json").stdout)["horizontal"]["peak_acceleration"]
+    assert found == pytest.approx(2.0, rel=1e-6), "0.02 m/s in 0.01 s"
