@@ -49,20 +49,12 @@ def spans(study: str, height: float) -> dict[tuple[float, float], tuple[float, f
     return found
 
 
-@pytest.mark.parametrize(("study", "height", "searches"), [("slope_on_rock", 25.0, 3), ("stiff_clay", 15.0, 2)])
+@pytest.mark.parametrize(("study", "height", "searches"), [("slope_on_rock", 25.0, 4), ("stiff_clay", 15.0, 2)])
 def test_with_fifty_millimetres_or_more_the_level_does_not_know_the_spacing(study: str, height: float, searches: int) -> None:
-    found = {key: span for key, span in spans(study, height).items() if key[0] != 0.5}
+    found = spans(study, height)
     assert len(found) == searches
     for key, (span, allowed) in found.items():
         assert span <= allowed, key
-
-
-@pytest.mark.xfail(
-    strict=True, reason="S_R 0.50 does not run out: A passes the limit of the class without a step (docs/model/softening.md)"
-)
-def test_a_slope_that_does_not_run_out_has_such_a_level_as_well() -> None:
-    span, allowed = spans("slope_on_rock", 25.0)[0.5, 0.05]
-    assert span <= allowed
 
 
 def test_the_lines_hold_every_search() -> None:
