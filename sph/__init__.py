@@ -53,7 +53,7 @@ and a kind of wall a file) into a trajectory (`sph.storage`), which, read as a r
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 
 _HOMES = {
     name: module
