@@ -36,7 +36,7 @@ from sph.scene.survey import read_line
 from sph.scene.units import GRAVITY
 from sph.storage.files import whole
 from sph.study.cost import ON_REFERENCE, cost
-from sph.study.dimensions import ALTERNATIVE, BASE, Value
+from sph.study.dimensions import ALTERNATIVE, BASE, Value, scene_keys
 from sph.study.machine import duration
 from sph.study.plan import load_study
 
@@ -56,16 +56,8 @@ PART, PARTS = 3, 4
 """Share of these for a first look, and to compare with; whole rows at both make the height of the slope and the depth below its toe."""
 MAX_COMPARED, MAX_RUN = 3600.0, 86400.0
 """Computing time (s) of a run up to which a cover has the rows that it needs at the coarser spacing as well, and at most."""
-UNITS = {
-    "density": "kg/m3, with its water",
-    "shear_wave_speed": "m/s; or youngs_modulus in kPa",
-    "poisson_ratio": "",
-    "cohesion": "kPa, at the peak",
-    "friction_angle": "degree, at the peak",
-    "residual_cohesion": "kPa, of failed soil",
-    "residual_friction_angle": "degree, of failed soil",
-}
-"""Keys of a soil in the order in which they are written, with their units."""
+SOIL = ("density", "shear_wave_speed", "poisson_ratio", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
+"""Keys of a soil in the order in which they are written."""
 FROM_TESTS = ("density", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
 """Those without which the soil is not the user's."""
 UNIT_WEIGHT = "unit_weight"
@@ -124,7 +116,7 @@ geometry:
 # below the base, where the lowest soil continues. For the motion of a stiffer rock describe that, in kg/m3 and m/s:
 #   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500}}
 walls: {{base: absorbing, sides: absorbing, bedrock: null}} # ASSUMED
-soil:
+soil: # density with its water; strength at the peak and, as residual, of failed soil; youngs_modulus (kPa) in place of shear_wave_speed
 {soil}
   dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay  ASSUMED
   viscosity: 2.0 # Pa s, of debris above its yield stress; has little effect
@@ -187,7 +179,7 @@ class Known(NamedTuple):
     unit: Unit | None = None  # of records that state none
     peak: str | None = None  # acceleration to which the records are scaled, as a study has it
     cover: float | None = None  # thickness of weak soil on stronger ground, m
-    soil: Mapping[str, float] = {}  # by ``UNITS``, with ``UNIT_WEIGHT`` for the density
+    soil: Mapping[str, float] = {}  # by ``SOIL``, with ``UNIT_WEIGHT`` for the density
     water: float | Path | None = None  # depth below the ground, m, or the file of a line
     places: Mapping[str, float | str] = {}  # x, m, or a distance beyond the toe
     alternatives: Mapping[str, float] = {}  # drained: depth of the water, m; berm: its height, m
@@ -202,7 +194,7 @@ class Known(NamedTuple):
     def whole_soil(self) -> dict[str, float]:
         """The keys of the soil, placeholders for those that were not typed among them."""
         known = PLACEHOLDERS | self.own_soil
-        return {key: known[key] for key in UNITS if key in known}
+        return {key: known[key] for key in SOIL if key in known}
 
     @property
     def has_residual(self) -> bool:
@@ -333,7 +325,7 @@ def _check(known: Known) -> None:
             raise ValueError(
                 f"--slope {height:g},{angle:g}: must be a height above 0 m and an angle from {GENTLEST:g} to {STEEPEST:g} degree, as 28,32"
             )
-    check_known("--soil", known.soil, (UNIT_WEIGHT, *list(UNITS)[1:]))
+    check_known("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:]))
     residual = [key for key in known.soil if key.startswith(RESIDUAL)]
     if len(residual) == 1:
         raise ValueError(
@@ -387,9 +379,8 @@ def _written(known: Known, folder: Path) -> Written:
     longest, peak = max(float(motion.time[-1]) for motion in motions), motions[0].peak
 
     def write(section: _Section, rows: Rows) -> list[str]:
-        facts = _of_rows(rows, section.line, known)
-        assumed = list(_assumed(known, section, facts))
-        facts |= _facts(known, section, folder) | {
+        facts, assumed = _facts(known, section, _of_rows(rows, section.line, known), folder)
+        facts |= {
             "assumed": "\n".join(f"#   assumed: {each}" for each in assumed),
             "grid": "\n".join(f"  {each}" for each in _grid(known, peak)),
             "duration": math.ceil(START + longest + section.after),
@@ -472,21 +463,45 @@ def _grid(known: Known, peak: float) -> Iterator[str]:
         yield f"S_R: [{', '.join(map(quoted, RATIOS))}] # ASSUMED; for one layer write layers.NAME.S_R, or give residual strengths instead"
 
 
-def _facts(known: Known, section: _Section, folder: Path) -> dict[str, Any]:
-    """What the texts of scene and study have in braces, beside what depends on rows and records."""
-    line, soil, own = section.line, known.whole_soil, known.own_soil
-    replaced = all(key in own for key in FROM_TESTS)
-    title = (
-        f"Slope of {known.ground.name[:MAX_TITLE]}"
-        if isinstance(known.ground, Path)
-        else "Slope {:g} m high, {:g} degree".format(*known.ground)
-    )
-    record = {"file": os.path.relpath(known.records[0], folder), "component": known.component, "unit": known.unit}
-    water, places = known.water, ", ".join(f"{name}: {at if isinstance(at, str) else f'{at:.10g}'}" for name, at in known.places.items())
-    ratio = "1.0 # not felt: all soils have residual strengths"
+def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[str]]:
+    """What the texts of scene and study have in braces, but for the records; and what of it decides the answer and was not typed."""
+    line, soil, own, water = section.line, known.whole_soil, known.own_soil, known.water
+    units = {key: scene_keys()[f"soil.{key}"].replace("-", "") for key in soil}
+    width, rest = _digits(WIDTH * section.height, 2), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
+    missing = [f"{key}: {value:g} {units[key]}".strip() for key, value in soil.items() if key not in own]
+    assumed = [f"soil: {', '.join(missing)}"] if missing else []
+    ratio, layers, carried = "1.0 # not felt: all soils have residual strengths", LAYERS_TEXT, ""
     if not known.has_residual:
         ratio = "0.5 # residual over peak strength, from a shear box or ring shear test  ASSUMED"
-    return {
+        assumed.append(f"residual strength: {', '.join(RATIOS)} of the peak (S_R)")
+    assumed.append(f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide (coupling.softening)")
+    assumed.append(f"K0 {rest:.2f} by Poisson's ratio, no dilation, damping 3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz")
+    if known.cover is not None:
+        rock = _flow(known.of_layer(ROCK))
+        layers = COVER_TEXT.format(cover=known.cover, soil=rock)
+        assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too")
+    assumed.append("each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded")
+    if known.peak is None:
+        times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
+        assumed.append(f"peak acceleration as recorded{times} (--scale-to)")
+    if water is None:
+        assumed.append("no water")
+    else:
+        by_depth = isinstance(water, float)
+        carried = WATER_TEXT.format(file=quoted("water.csv" if by_depth else os.path.relpath(water, folder)))
+        follows = "; the water table follows the ground" if by_depth else ""
+        assumed.append(f"moving soil keeps its pore pressure, as silt and clay (water.pressure: carried){follows}")
+    if "berm" in known.alternatives and section.berm is not None:
+        assumed.append(f"berm of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}")
+    if isinstance(known.ground, Path):
+        title = f"Slope of {known.ground.name[:MAX_TITLE]}"
+    else:
+        title = "Slope {:g} m high, {:g} degree".format(*known.ground)
+        assumed.append(f"level ground, {BEHIND * section.height:.4g} m behind the crest and {line.toe[0]:.4g} m before the toe")
+    replaced = all(key in own for key in FROM_TESTS)
+    record = {"file": os.path.relpath(known.records[0], folder), "component": known.component, "unit": known.unit}
+    places = ", ".join(f"{name}: {at if isinstance(at, str) else f'{at:.10g}'}" for name, at in known.places.items())
+    facts = {
         "scene_schema": _schema_line("scene", folder),
         "study_schema": _schema_line("study", folder),
         "study_word": shlex.quote(str(folder / STUDY)),
@@ -498,19 +513,18 @@ def _facts(known: Known, section: _Section, folder: Path) -> dict[str, Any]:
         "ground": quoted(os.path.relpath(section.file, folder)),
         "downhill": line.downhill,
         "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
-        "soil": "\n".join(f"  {key}: {value:.10g} # {UNITS[key]}{'' if key in own else '  ASSUMED'}" for key, value in soil.items()),
-        "rest": soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"]),
-        "layers": COVER_TEXT.format(cover=known.cover, soil=_flow(known.of_layer(ROCK))) if known.cover else LAYERS_TEXT,
-        "water": ""
-        if water is None
-        else WATER_TEXT.format(file=quoted("water.csv" if isinstance(water, float) else os.path.relpath(water, folder))),
+        "soil": "\n".join(f"  {key}: {value:.10g} # {units[key]}{'' if key in own else '  ASSUMED'}" for key, value in soil.items()),
+        "rest": rest,
+        "layers": layers,
+        "water": carried,
         "ratio": ratio,
-        "width": _digits(WIDTH * section.height, 2),
+        "width": width,
         "start": START,
         "file": ", ".join(f"{key}: {quoted(value)}" for key, value in record.items() if value),
         "places": f"metrics: {{places: {{{places}}}}}" if places else "# metrics: {places: {house: 15 beyond the toe}}",
         "alternatives": "\n".join(_alternatives(known, section, folder)),
     }
+    return facts | of_rows, assumed
 
 
 def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str]:
@@ -535,34 +549,6 @@ def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str
     yield "alternatives:" if known.alternatives else "# alternatives:"
     for name, block in blocks.items():
         yield from (each if name in known.alternatives else f"# {each}" for each in block)
-
-
-def _assumed(known: Known, section: _Section, of_rows: Mapping[str, Any]) -> Iterator[str]:
-    """What decides the answer and was not typed."""
-    soil, own = known.whole_soil, known.own_soil
-    missing = [f"{key}: {value:g} {UNITS[key].split(',')[0].split(';')[0]}".strip() for key, value in soil.items() if key not in own]
-    if missing:
-        yield f"soil: {', '.join(missing)}"
-    if not known.has_residual:
-        yield f"residual strength: {', '.join(RATIOS)} of the peak (S_R)"
-    width, ratio = _digits(WIDTH * section.height, 2), soil["poisson_ratio"]
-    yield f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide (coupling.softening)"
-    yield f"K0 {ratio / (1.0 - ratio):.2f} by Poisson's ratio, no dilation, damping 3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz"
-    if known.cover is not None:
-        yield f"below the cover weathered rock: {_flow(known.of_layer(ROCK))[1:-1]}; the cover is as thick everywhere, before the toe, too"
-    yield "each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded"
-    if known.peak is None:
-        times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
-        yield f"peak acceleration as recorded{times} (--scale-to)"
-    if known.water is None:
-        yield "no water"
-    else:
-        follows = "; the water table follows the ground" if isinstance(known.water, float) else ""
-        yield f"moving soil keeps its pore pressure, as silt and clay (water.pressure: carried){follows}"
-    if "berm" in known.alternatives and section.berm is not None:
-        yield f"berm of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}"
-    if not isinstance(known.ground, Path):
-        yield f"level ground, {BEHIND * section.height:.4g} m behind the crest and {section.line.toe[0]:.4g} m before the toe"
 
 
 def _enough(height: float, cover: float, seconds: float) -> Rows:
