@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sph.checks.finding import Finding, called, finding
-from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error
+from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error, main_mass
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
@@ -105,7 +105,7 @@ def found_after(run: Run) -> list[Finding]:
     """The same of a run that came to its end, with the default settings of the metrics."""
     scene, settings = run.scene, MetricSettings()
     met = reached_sides(run, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
-    debris = debris_metrics(run, settings)
+    debris = debris_metrics(run, settings, main_mass(run, settings))
     return [
         *debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0)),
         *thin_debris(scene, debris.get("runout", math.nan), debris.get("deposit_thickness", math.nan)),

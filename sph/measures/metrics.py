@@ -387,6 +387,13 @@ def outline_area(x: np.ndarray, y: np.ndarray, spacing: float) -> float:
     return float(np.count_nonzero(inside)) * step**2
 
 
+def nearest_distances(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Distance (n,) of each of the points (n,) to the nearest other one."""
+    points = np.column_stack([x, y])
+    distances: np.ndarray = scipy.spatial.cKDTree(points).query(points, k=2)[0][:, 1]
+    return distances
+
+
 def _facts(run: Run) -> dict[str, Value]:
     motion = run.scene.motion
     start, end = (math.nan, math.nan) if isinstance(motion, NoMotion) else (motion.start, motion.end)
@@ -442,10 +449,9 @@ def _soil_metrics(run: Run, settings: MetricSettings) -> dict[str, Value]:
     scene, soil, spacing = run.scene, run.soil, run.scene.numerics.spacing
     (x, y), (first_x, first_y) = (run.soil_at(frame, "x", "y") for frame in (-1, 0))
     moved = np.hypot(*run.displacement())[soil]
-    mass = largest_mass(x, y, settings.link_length * spacing)
+    mass = main_mass(run, settings)
     after_gravity = run["sample_time"] >= scene.gravity.duration - 0.5 * scene.numerics.time_step
-    t_f, points = run["t_f"], np.column_stack([x, y])
-    nearest = scipy.spatial.cKDTree(points).query(points, k=2)[0][:, 1]
+    t_f = run["t_f"]
     first_area, last_area = ((run["mass"][soil] / run.soil_at(frame, "density")[0]).sum() for frame in (0, -1))
     values: dict[str, Value] = {
         "first_failure_time": float(np.nanmin(t_f)) if np.isfinite(t_f).any() else math.nan,
@@ -455,20 +461,27 @@ def _soil_metrics(run: Run, settings: MetricSettings) -> dict[str, Value]:
         "peak_speed": float(run["maximum_speed"][after_gravity].max()),
         "area_change": float(last_area / first_area - 1.0),
         "outline_area_change": outline_area(x[mass], y[mass], spacing) / outline_area(first_x, first_y, spacing) - 1.0,
-        "nearest_neighbour_p05": float(np.percentile(nearest, 5)) / spacing,
+        "nearest_neighbour_p05": float(np.percentile(nearest_distances(x, y), 5)) / spacing,
     }
     values |= {name: float(np.count_nonzero(moved > limit)) * spacing**2 for name, limit in AREA_THRESHOLDS.items()}
-    return values | debris_metrics(run, settings)
+    return values | debris_metrics(run, settings, mass)
 
 
-def debris_metrics(run: Run, settings: MetricSettings) -> dict[str, float]:
-    """The metrics of debris at rest in front of the toe, and of the places; empty for a scene without a slope."""
+def main_mass(run: Run, settings: MetricSettings) -> np.ndarray:
+    """The largest linked mass at the end (soil,)."""
+    return largest_mass(*run.soil_at(-1, "x", "y"), settings.link_length * run.scene.numerics.spacing)
+
+
+def debris_metrics(run: Run, settings: MetricSettings, mass: np.ndarray) -> dict[str, float]:
+    """The metrics of debris at rest in front of the toe, and of the places; empty for a scene without a slope.
+
+    ``mass`` (soil,) as by ``main_mass``.
+    """
     scene, soil = run.scene, run.soil
     if not isinstance(scene.geometry, SLOPES):
         return {}
     spacing, lattice_shift = scene.numerics.spacing, scene.numerics.lattice_shift
     x, y = run.soil_at(-1, "x", "y")
-    mass = largest_mass(x, y, settings.link_length * spacing)
     toe_x, toe_y = scene.geometry.toe
     x0, y0 = shifted(run["x0"][soil], run["y0"][soil], spacing, lattice_shift)
     x = x + lattice_shift * spacing  # the soil's shape lies that much to the left of the toe

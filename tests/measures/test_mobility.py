@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from synthetic import synthetic, translation
 
-from sph.measures.metrics import MetricSettings, debris_metrics
+from sph.measures.metrics import measure
 from sph.measures.mobility import line_runout, residual_tangent
 from sph.scene.ground_line import GroundLine
 
@@ -77,7 +77,7 @@ def test_rock_that_settles_below_a_cover_does_not_change_its_energy_line(settled
             "layers": {"rock": {"region": {"kind": "depth", "top": 3.0}, "soil": strength(36.0, 33.0)}},
         },
     )
-    found = debris_metrics(run, MetricSettings())
+    found = measure(run)
     assert found["energy_line_angle"] == pytest.approx(12.0)
     assert found["energy_line_runout"] == pytest.approx(20.0 / math.tan(math.radians(12.0)) - 40.0)
 
@@ -87,4 +87,4 @@ def test_a_block_has_the_energy_line_of_the_weak_layer_on_which_it_slides() -> N
     soil = {"friction_angle": 30.0, "residual_friction_angle": 15.0, "residual_cohesion": 0.0}
     clay = {"region": {"kind": "elevation", "top": 14.0, "bottom": 9.0}, "soil": {"friction_angle": 20.0, "residual_friction_angle": 10.0}}
     run = synthetic(translation(-3.0), overrides={"soil": soil, "layers": {"clay": clay}})
-    assert debris_metrics(run, MetricSettings())["energy_line_angle"] == pytest.approx(10.0)
+    assert measure(run)["energy_line_angle"] == pytest.approx(10.0)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from sph.experiments.variants.design import Measured
 from sph.experiments.variants.figures_robustness import REFUSED, figure_robustness
 from sph.measures.linked import largest_mass
-from sph.measures.metrics import MetricSettings, energy_gap, outline_area
+from sph.measures.metrics import MetricSettings, energy_gap, nearest_distances, outline_area
 from sph.output.run import Run
 from sph.storage.trajectory import Variable
 from sph.study.tables import number_column, read_csv, text_column
@@ -79,31 +79,26 @@ def asymmetry(run: Run) -> float:
 def checks(run: Run, symmetric: bool) -> dict[str, Any]:
     """The columns of a run."""
     spacing = run.scene.numerics.spacing
-    first, last = (np.column_stack(run.soil_at(frame, "x", "y")) for frame in (0, -1))
+    (x0, y0), (x, y) = (run.soil_at(frame, "x", "y") for frame in (0, -1))
     values: dict[str, Any] = {
         "status": run.status,
         "reason": run.attrs["status_reason"],
         "time_step_ratio": run.time_step_ratio,
         "energy_gap": energy_gap(run),
         "wall_time": float(run.attrs["wall_time_s"]),
-        "displacement": float(np.nanmax(np.hypot(*(last - first).T))),
+        "displacement": float(np.nanmax(np.hypot(x - x0, y - y0))),
         "penetration": penetration(run),
         "asymmetry": asymmetry(run) if symmetric else math.nan,
     }
-    if np.isfinite(last).all():
-        mass = largest_mass(last[:, 0], last[:, 1], LINK * spacing)
-        nearest = scipy.spatial.cKDTree(last).query(last, k=2)[0][:, 1] / spacing
+    if np.isfinite([x, y]).all():
+        mass, nearest = largest_mass(x, y, LINK * spacing), nearest_distances(x, y) / spacing
         values |= {
-            "area_change": _area(last[mass], spacing) / _area(first, spacing) - 1.0,
+            "area_change": outline_area(x[mass], y[mass], spacing) / outline_area(x0, y0, spacing) - 1.0,
             "nearest_p05": float(np.percentile(nearest, 5)),
             "nearest_least": float(nearest.min()),
             "stragglers": 1.0 - float(np.mean(mass)),
         }
     return values
-
-
-def _area(places: np.ndarray, spacing: float) -> float:
-    return outline_area(places[:, 0], places[:, 1], spacing)
 
 
 def read_robustness(path: Path | str = SHIPPED) -> pd.DataFrame:
