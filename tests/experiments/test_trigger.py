@@ -387,8 +387,8 @@ def test_a_bracket_does_not_end_at_braked_debris(runouts: tuple[float, ...], out
     assert bracket(points, "damaged").braked == 0, "classes are as they were"
 
 
-def test_a_class_that_is_left_again_shows_the_last_amplitude_without_it() -> None:
-    assert bracket(line("stable", "collapse", "minor", "collapse"), "collapse").last_not_reached == 2.0
+def test_a_class_that_is_left_again_and_a_run_that_still_moves_are_told() -> None:
+    assert bracket(line("stable", "collapse", "minor", "collapse"), "collapse").changes == 3
     assert bracket(line("stable", "collapse", moving=1), "collapse").lower_still_moving == 1.0
 
 

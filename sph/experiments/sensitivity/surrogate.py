@@ -46,7 +46,6 @@ SOBOL: tuple[Variable, ...] = (
         for name, what in zip(KINDS, ("first-order index", "total index"), strict=True)
         for end, text in (("", ""), ("_low", ": low end of its 95 % interval"), ("_high", ": high end of its 95 % interval"))
     ),
-    number_column("length_scale", "1", "the surrogate's length scale over the factor's range, median of the cross-validation"),
     number_column("q2", "1", "share of the quantity's variance that the surrogate predicts in runs it has not seen (k-fold)"),
     number_column("rmse", "as units", "root mean square error of these predictions"),
     text_column("units", "unit of the quantity"),
@@ -200,7 +199,5 @@ def _rows(
         "noise_share": float(np.median([process.kernel_.k2.noise_level for process in processes])),
         "verdict": TRUSTED if q2 >= settings.least_q2 else f"{UNTRUSTED}: Q² below {settings.least_q2:g}",
     }
-    lengths = np.median([np.atleast_1d(process.kernel_.k1.k2.length_scale) for process in processes], axis=0)
-    for place, length in enumerate(lengths):
-        indices = {f"{name}{end}": part[row, place] for end, part in by_end.items() for row, name in enumerate(KINDS)}
-        yield facts | indices | {"length_scale": length}
+    for place in range(len(axes)):
+        yield facts | {f"{name}{end}": part[row, place] for end, part in by_end.items() for row, name in enumerate(KINDS)}

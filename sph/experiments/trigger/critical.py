@@ -57,11 +57,7 @@ def bracket_columns(units: str) -> tuple[Variable, ...]:
             "changes",
             "changes between not reached and reached along the intensities that were run; more than 1: not monotone in the intensity",
         ),
-        number_column("last_not_reached", units, "largest intensity at which the class is not reached; above the upper end: not monotone"),
         number_column("lower_still_moving", "1", "1 if the run at the lower end is still moving at its end: it may reach the class later"),
-        number_column(
-            "lower_failed_fraction", "1", "failed fraction of the soil at the lower end; 0: the class is reached as soon as any soil fails"
-        ),
         count_column("runs", "runs at these values"),
         count_column("diverged", "diverged runs among them"),
         count_column("braked", "those whose debris is braked before the length or place, which are not known to stop there; 0 for a class"),
@@ -109,7 +105,7 @@ def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> 
     above, standing = (decided[decided["reached"] == verdict] for verdict in (True, False))
     upper = float(above["value"].min())
     below = standing[~(standing["value"] > upper)].tail(1)
-    lower, moving, failed = (float(below[name].sum(min_count=1)) for name in ("value", "still_moving", "failed_fraction"))
+    lower, moving = (float(below[name].sum(min_count=1)) for name in ("value", "still_moving"))
     diverged = line["collapse_class"] == UNDETERMINED
     braked = line["reached"].isna() & ~diverged
     unknown = BRAKED if (braked & ~line["value"].gt(upper)).any() else UNDECIDED if decided.empty else AT_LOWEST
@@ -118,7 +114,7 @@ def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> 
     changes = sum(one != other for one, other in itertools.pairwise(decided["reached"]))
     values = (
         outcome, 0.5 * (lower + upper), 0.5 * (upper - lower), lower, upper, int((inside & diverged).sum()), changes,
-        float(standing["value"].max()), moving, failed, len(line), int(diverged.sum()), int(braked.sum()), float(line["wall_time"].sum()),
+        moving, len(line), int(diverged.sum()), int(braked.sum()), float(line["wall_time"].sum()),
     )  # fmt: skip
     return pd.Series(dict(zip(names(bracket_columns("1")), values, strict=True)), dtype=object)
 
