@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import string
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -233,13 +233,14 @@ def _reasons(of: Numbers) -> str:
     return "{value:.2f} ± {error:.2f} and {bound:.2f}: " + (known or "no reason is known: look at both slip surfaces")
 
 
-def _listed(names: list[str]) -> str:
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Names in words: a, b and c."""
+    return f" {last} ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _reaching(of: Numbers) -> str:
     names = [words for name, words in SURFACES.items() if name in of]
-    return f"the {'surface' if len(names) == 1 else 'surfaces'} of {_listed(names)}"
+    return f"the {'surface' if len(names) == 1 else 'surfaces'} of {listed(names)}"
 
 
 def _property(of: Numbers) -> str:

@@ -40,17 +40,9 @@ def stability(scene: Scene) -> list[Finding]:
     """
     static = static_scene(scene, DEFAULT_RULE)
     peak = at_peak(scene)
+    standing = of_standing(peak, scene, static, lambda: softening(scene))
     if not peak.trial.stands:
-        return [of_peak(peak, scene)]
-
-    softened = of_softening(peak, scene, lambda: softening(scene))
-    standing = [
-        of_peak(peak, scene),
-        *of_mobilised(peak, scene),
-        *softened,
-        of_residual(at_residual(static), scene),
-        *equilibrium.of_residual(scene),
-    ]
+        return standing
     coarse: list[Finding] = []
     with suppress(ValueError):  # of spacings too close to each other, which the searches tell
         coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
@@ -150,6 +142,14 @@ def of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> li
         return []
     failed: dict[str, Any] = {"displaced_area": trial.displaced_area, "status": str(trial.status)}
     return [finding("fails-softened", *keys, **failed, **_spacings(peak, scene))]
+
+
+def of_standing(peak: Peak, scene: Scene, static: Scene, softening: Callable[[], Trial]) -> list[Finding]:
+    """What is found of a slope at its peak strength and, if it stands, as it softens and, by its ``static`` test, at residual strength."""
+    if not peak.trial.stands:
+        return [of_peak(peak, scene)]
+    told = [of_peak(peak, scene), *of_mobilised(peak, scene), *of_softening(peak, scene, softening)]
+    return [*told, of_residual(at_residual(static), static), *equilibrium.of_residual(scene)]
 
 
 def of_residual(trial: Trial, scene: Scene) -> Finding:

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from sph.checks.after_run import is_bounded, is_braked, is_lower_bound
+from sph.checks.messages import listed
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import ARRIVAL, PEAK_DEPTH, REACHED, column_of, places_in
@@ -162,11 +163,6 @@ def _saves(name: str, words: str) -> str:
     return f"{name} {'has' if words.endswith(MORE) else 'saves'} {words.replace(AT_LEAST, 'at least ')}"
 
 
-def listed(names: Sequence[str], last: str = "and") -> str:
-    """Names in words: a, b and c."""
-    return f" {last} ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-
-
 def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
     """How much less an alternative moves than the scene as it is, in m and percent; where one of them is a lower bound, what is known."""
     less = float(base["displacement_magnitude"] - own["displacement_magnitude"])
@@ -185,17 +181,14 @@ def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
 
 def _why(run: Mapping[Any, Any]) -> str:
     """Why displacement and run-out of a run are lower bounds, and what to do about it."""
+    time = run["time_to_rest"]
+    longer = "longer, it does not slow down yet" if math.isnan(time) else f"some {time:.2g} s more"
     reasons = (
         (is_braked(run["findings"]), "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"),
         (is_bounded(run["reached_side"]), "debris leaves the box (lengthen the apron)"),
-        (in_motion(run), f"soil still moves at the end ({_longer(run['time_to_rest'])})"),
+        (in_motion(run), f"soil still moves at the end (run it for {longer})"),
     )
     return next(words for holds, words in reasons if holds)
-
-
-def _longer(time: float) -> str:
-    """What to do about a run that would come to rest after a time, s; NaN where it does not slow down."""
-    return "run it for longer, it does not slow down yet" if math.isnan(time) else f"run it for some {time:.2g} s more"
 
 
 def _goes_on(run: Mapping[Any, Any]) -> bool:

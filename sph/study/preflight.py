@@ -20,19 +20,7 @@ from sph.checks.finding import Finding, finding
 from sph.checks.layers import broken_at, layers_of
 from sph.checks.messages import OR, Severity, line, record
 from sph.checks.scene import findings
-from sph.checks.stability import (
-    QUESTIONS,
-    Peak,
-    at_peak,
-    at_residual,
-    of_limit,
-    of_mobilised,
-    of_peak,
-    of_residual,
-    of_softening,
-    settled,
-    softening,
-)
+from sph.checks.stability import QUESTIONS, Peak, at_peak, of_limit, of_standing, settled, softening
 from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json, to_json
 from sph.solver.particles import place_particles
@@ -193,16 +181,11 @@ def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = pr
             spent += one + cost(settled(quick[names[0]])).seconds
         peak = peaks[peak_key]
         scene = scenes[names[0]]
-        told = [of_peak(peak, scene)]
-        if peak.trial.stands:
-            told += of_mobilised(peak, scene)
-            told += of_softening(peak, scene, lambda at=scene: softening(standing_scene(at)))  # type: ignore[misc]
-            told += [of_residual(at_residual(static), static), *equilibrium.of_residual(scene)]
-            spent += one * (1 + 2 * (peak.begun and not peak.too_much))
-        for each in told:
+        for each in of_standing(peak, scene, static, lambda at=scene: softening(standing_scene(at))):  # type: ignore[misc]
             if each not in by_finding:
                 say(f"{names[0]}: {line(each)}")
             by_finding.setdefault(each, []).extend(names)
+        spent += one * (1 + 2 * (peak.begun and not peak.too_much)) * peak.trial.stands
     if left:
         by_finding[finding("stability-unknown", subject="stability of further slopes")] = left
     return _rows(by_finding)

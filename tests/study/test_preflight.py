@@ -189,7 +189,7 @@ def known(monkeypatch: pytest.MonkeyPatch) -> float:
         return Trial(value, stands, 0.0 if stands else 1e3, 0.0, "complete", 0.0)
 
     monkeypatch.setattr("sph.study.preflight.at_peak", lambda scene: Peak(trial(1.0, True), 1.0, mobilised={"soil": 0.5}))
-    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: trial(static.coupling.S_R, static.coupling.S_R > 0.5))
+    monkeypatch.setattr("sph.checks.stability.at_residual", lambda static: trial(static.coupling.S_R, static.coupling.S_R > 0.5))
     monkeypatch.setattr("sph.stability.safety.stand", lambda static, rule, value: trial(value, static.soil.cohesion > critical))
     return critical
 
@@ -343,7 +343,7 @@ def test_the_strength_that_each_layer_uses_is_told_and_a_warning_where_none_is_l
     stands = Trial(1.0, True, 0.0, 0.0, "complete", 0.0)
     used = {"soil": 0.5, "clay": 0.991}
     monkeypatch.setattr("sph.study.preflight.at_peak", lambda static: Peak(stands, 1.0, mobilised=used))
-    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.checks.stability.at_residual", lambda static: stands)
     found = [row.finding for row in of_study({"one": scene()}, lambda line: None, []) if row.finding.code == "mobilised-strength"]
     assert [(each.subject, each.severity) for each in found] == [("clay", "warning"), ("soil", "note")]
     assert words(found[0]).measured == "99 % of its peak strength" and words(found[0]).key.startswith("layers.clay.soil.K0")
@@ -359,7 +359,7 @@ def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeyp
         tested.append(scene)
         return falls
 
-    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.checks.stability.at_residual", lambda static: stands)
     monkeypatch.setattr("sph.study.preflight.softening", softening)
 
     def told(begun: bool, **settings: Any) -> list[Finding]:
@@ -393,7 +393,7 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
 
     for place in ("sph.study.preflight", "sph.checks.stability"):
         monkeypatch.setattr(f"{place}.at_peak", lambda static: Peak(stands, 0.4))
-        monkeypatch.setattr(f"{place}.at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.checks.stability.at_residual", lambda static: stands)
     monkeypatch.setattr("sph.checks.stability.extrapolated", unsearched)
     said: list[str] = []
     found = {row.finding.code: row.finding for row in of_study({"one": seam}, said.append)}
