@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sph.checks.cover_rows import covers
 from sph.checks.finding import Finding, called, finding
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error, main_mass
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
@@ -71,11 +72,16 @@ def energy_open(error: float) -> list[Finding]:
 
 
 def thin_debris(scene: Scene, runout: float, thickness: float) -> list[Finding]:
-    """The finding of a run whose debris has run far and lies in few rows of particles, by its metrics (m); none where they are NaN."""
+    """The finding of a run whose debris has run far and lies in few rows of particles, by its metrics (m); none where they are NaN.
+
+    It says what is known of the run-out of a weak ``cover`` where the scene has one, and each has enough rows (``cover-rows``).
+    """
     spacing = scene.numerics.spacing
     if not (runout > FAR * spacing and thickness < THICK * spacing):
         return []
-    return [finding("thin-debris", "numerics.spacing", value=thickness / spacing, bound=THICK, runout=runout)]
+    weak = covers(scene)
+    known = {"cover": weak[0].name} if weak and not any(cover.short or cover.between for cover in weak) else {}
+    return [finding("thin-debris", "numerics.spacing", value=thickness / spacing, bound=THICK, runout=runout, **known)]
 
 
 def liquefied(run: Run) -> list[Finding]:

@@ -105,7 +105,7 @@ def of_cover(cover: Cover, scene: Scene) -> Finding:
         return finding("layer-held", "numerics.spacing", f"seams.{name}", subject=name, **numbers)
     numbers = {"value": cover.run_out, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness}
     if not cover.short:
-        return finding("cover-rows", subject=name, **numbers)
+        return finding("cover-rows", subject=name, between=cover.between, **numbers)
     if (enough := enough_rows(cover.law)) is not None:
         return finding("weak-on-strong", "numerics.spacing", subject=name, bound=1.0, enough=enough, **numbers)
     both = scene.numerics.interfaces == "both"

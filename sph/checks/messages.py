@@ -14,6 +14,7 @@ from enum import StrEnum
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from sph.checks.cover_rows import SCATTER
 from sph.scene.gravity import FAILED_AREA, GRAVITY
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
@@ -511,8 +512,15 @@ MESSAGES: dict[str, Message] = {
         meaning="a weak layer between two stronger soils has fewer than two rows of particles, and cannot slide",
     ),
     "cover-rows": note(
-        "{subject}, weak soil on stronger {ground}, has enough rows",
-        _cover,
+        "{subject}, weak soil on stronger {ground}, has enough rows not to be braked by it",
+        lambda of: (
+            "{rows:.2g} rows of particles in {thickness:.3g} m, with which "
+            + (
+                "a block on it moves as it should"
+                if of.get("between")
+                else f"debris on two hillsides ran as far as with more, within {SCATTER:.0%}"
+            )
+        ),
         meaning="weak soil on stronger ground has enough rows of particles for its run-out",
     ),
     "thin-box": warning(
@@ -637,7 +645,10 @@ MESSAGES: dict[str, Message] = {
         meaning="after the run: failed soil has reached an end of the box, so the box decides how far it goes",
     ),
     "thin-debris": warning(
-        "debris that ran {runout:.3g} m is thin, so its run-out is not reliable",
+        lambda of: (
+            "debris that ran {runout:.3g} m is thin, so its run-out is "
+            + (f"known to some {SCATTER:.0%} at best, as that of a cover with enough rows" if "cover" in of else "not reliable")
+        ),
         "on average {value:.2g} particles thick in front of the toe",
         lambda of: f"at least {{bound:g}}, better {2.0 * of['bound']:g}",
         meaning="after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable",

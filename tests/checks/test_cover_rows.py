@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from sph.checks.after_run import thin_debris
 from sph.checks.cover_rows import CLOSE, RUN_OUT_BY_ROWS, covers, enough_rows, run_out
 from sph.checks.finding import Finding
 from sph.checks.layers import braked
@@ -55,9 +56,16 @@ def test_a_cover_of_few_rows_is_told_with_what_it_does_to_the_run_out() -> None:
     assert enough is not None and f"at least {enough}, with a spacing of at most {2.0 / enough:.3g} m" in words(few).wanted
     assert braked(made) == [few]
     resolved = told(scene(0.0, 2.0, **{"numerics.spacing": 2.0 / enough, "numerics.time_step": 2e-4}))
-    assert (resolved.code, resolved.severity) == ("cover-rows", "note")
+    assert (resolved.code, resolved.severity) == ("cover-rows", "note") and "within 12%" in words(resolved).measured
     assert braked(scene(0.0, 2.0, **{"numerics.spacing": 2.0 / enough, "numerics.time_step": 2e-4})) == []
     assert f"about {run_out('weaker', 1.5):.0%}" in words(told(scene(0.0, 1.5))).measured, "between two that were measured"
+
+
+def test_thin_debris_of_a_cover_with_enough_rows_is_told_as_its_rows_are() -> None:
+    """Before the run and after it the same is said of its run-out; with few rows ``weak-on-strong`` says that it is a lower bound."""
+    (thin,), (few,) = (thin_debris(scene(0.0, thickness), 19.0, 2.5) for thickness in (4.0, 2.0))
+    assert words(thin).what.endswith("known to some 12% at best, as that of a cover with enough rows") and thin.counts
+    assert words(few).what.endswith("not reliable")
 
 
 def test_the_scene_s_own_soil_may_be_the_cover() -> None:
@@ -78,7 +86,8 @@ def test_one_row_between_two_strong_soils_is_an_error_with_its_remedies() -> Non
     held = told(scene(4.0, 5.0))
     assert (held.code, held.severity, held.subject) == ("layer-held", "error", "weak")
     assert "a spacing of at most 0.5 m" in words(held).wanted and "numerics.spacing" in words(held).key and "seams.weak" in words(held).key
-    assert told(scene(4.0, 6.0)).code == "cover-rows", "two rows slide"
+    slides = told(scene(4.0, 6.0))
+    assert slides.code == "cover-rows" and "a block on it" in words(slides).measured, "two rows slide"
     (cover,) = covers(scene(4.0, 5.0))
     assert cover.held and cover.short and cover.run_out == 0.0
 

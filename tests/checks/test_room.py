@@ -109,6 +109,7 @@ def test_debris_that_ran_far_and_is_thin_is_told(runout: float, deposit: float, 
     found = thin_debris(low(), runout * spacing, deposit * spacing)
     assert [(each.code, words(each).key) for each in found] == [("thin-debris", "numerics.spacing")] * told
     assert all("3.9 particles thick" in words(each).measured for each in found)
+    assert all(words(each).what.endswith("is not reliable") for each in found), "a slope without a cover"
 
 
 def test_a_run_and_its_metrics_tell_the_same_of_thin_debris() -> None:

@@ -98,7 +98,12 @@ def other_frames(case: Case, chance: np.random.Generator) -> None:
     result = case.run(case.changed({"outputs.frame_interval": SERIES_INTERVAL * int(chance.integers(1, 150))}))
     same_state(case.result, result)
     same_variables(*common(case.result.trajectory, result.trajectory))
-    of_frames = {"time_step_ratio", "reached_side", "reached_side_time", "time_to_rest"}  # the last by the frame about a second before the end
+    of_frames = {
+        "time_step_ratio",
+        "reached_side",
+        "reached_side_time",
+        "time_to_rest",
+    }  # the last by the frame about a second before the end
     same_metrics(case.result.trajectory, result.trajectory, of_frames)
 
 
