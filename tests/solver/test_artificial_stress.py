@@ -9,15 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from placed import Placed
 
-from sph.scene.configuration import dotted, merge
-from sph.scene.schema import make_scene
-from sph.solver.initial_state import initial_state
-from sph.solver.particles import place_particles
 from sph.solver.physics.artificial_stress import add_artificial_stress, set_artificial_stress
 from sph.solver.physics.kernels import evaluate
-from sph.solver.renewal import make_lists
-from sph.solver.terms import State, make_terms
 
 pytestmark = pytest.mark.uncompiled
 
@@ -30,29 +25,17 @@ BASE: dict[str, Any] = {
 }
 
 
-class Patch:
+class Patch(Placed):
     """Particles without walls whose stress is given."""
 
-    def __init__(self, overrides: dict[str, Any] | None = None) -> None:
-        scene = make_scene(merge(BASE, dotted(overrides or {})))
-        self.particles = place_particles(scene)
-        self.state: State = initial_state(self.particles, scene)
-        self.terms = make_terms(scene, self.particles)
-        self.n = self.particles.x.size
-
-    def jitter(self, size: float) -> None:
-        generator = np.random.default_rng(3)
-        for name in "xy":
-            moved = getattr(self.particles, name) + generator.uniform(-size, size, self.n)
-            for field in (name, f"{name}_pairs", f"{name}_candidates"):
-                getattr(self.state, field)[:] = moved
+    def __init__(self, overrides: dict[str, Any] | None = None, jitter: float = 0.0) -> None:
+        super().__init__(BASE, overrides, jitter)
 
     def stress(self, xx: Any, yy: Any, xy: Any) -> None:
         self.state.sxx[:], self.state.syy[:], self.state.sxy[:] = xx, yy, xy
         set_artificial_stress(self.terms.artificial_stress, self.state, 0, self.n)
 
     def push(self) -> None:
-        _, self.pairs = make_lists(self.state, self.terms)
         add_artificial_stress(self.terms.artificial_stress, None, self.state, self.pairs, 0, self.n)
 
 
@@ -83,8 +66,7 @@ def test_nothing_under_compression() -> None:
 @pytest.mark.parametrize("precision", ["mixed", "double"])
 def test_pairs_push_alike(precision: str) -> None:
     # Random stresses at jittered places: the sum of the forces is zero to rounding, 64 particles with some 20 pairs.
-    patch = Patch({"numerics.precision": precision})
-    patch.jitter(0.1)
+    patch = Patch({"numerics.precision": precision}, jitter=0.1)
     patch.stress(*np.random.default_rng(5).normal(size=(3, patch.n)))
     patch.push()
     ax, ay = patch.state.ax, patch.state.ay

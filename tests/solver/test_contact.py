@@ -6,17 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from placed import Placed
 
 from sph.measures.metrics import MetricSettings, measure
-from sph.scene.configuration import dotted, merge
-from sph.scene.schema import Scene, make_scene
-from sph.solver.initial_state import initial_state
-from sph.solver.particles import place_particles
-from sph.solver.physics.gradient_correction import power
-from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
-from sph.solver.renewal import make_lists
+from sph.scene.schema import make_scene
 from sph.solver.run import run
-from sph.solver.terms import make_terms, only
 
 BOX: dict[str, Any] = {
     "scheme": "paper",
@@ -28,34 +22,15 @@ BOX: dict[str, Any] = {
 }
 
 
-def box(**overrides: Any) -> Scene:
-    return make_scene(merge(BOX, dotted({name.replace("__", "."): value for name, value in overrides.items()})))
-
-
 @pytest.mark.uncompiled
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])
 @pytest.mark.parametrize("top", ["contact", "no_slip"])
 def test_contact_takes_no_energy_whoever_is_let_go(top: str, correction: dict[str, float] | None) -> None:
-    scene = box(walls__top=top, numerics__gradient_correction=correction)
-    particles = place_particles(scene)
-    state, terms, n = initial_state(particles, scene), make_terms(scene, particles), particles.n_soil
-    generator = np.random.default_rng(5)
-    for name in ("vx", "vy", "sxx", "syy", "sxy", "syx"):
-        getattr(state, name)[:n] = generator.normal(size=n)
-    if correction is None:
-        state.syx[:] = state.sxy
-    pairs: Any = make_lists(state, terms)[1]
-    gradient = np.zeros((4, state.x.size))
-    plain = only(terms, "gradient_correction", "no_slip", "contact")
-    velocity_gradients(state, pairs, plain, gradient, 0, state.x.size)
-    stress_accelerations(state, pairs, plain, gradient, 0, n)
-    touching = np.hypot(pairs.contact[:n, 0], pairs.contact[:n, 1]) > 0.0
-    gone = pairs.contact[:n, 2] > 0.0
+    box = Placed(BOX, {"walls.top": top, "numerics.gradient_correction": correction})
+    box.take_no_energy()
+    contact = box.pairs.contact[: box.n]
+    touching, gone = np.hypot(contact[:, 0], contact[:, 1]) > 0.0, contact[:, 2] > 0.0
     assert 0 < gone.sum() < touching.sum() and not gone[~touching].any()
-    forces = terms.cell_mass * sum(float(a[:n] @ v[:n]) for a, v in ((state.ax, state.vx), (state.ay, state.vy)))
-    stresses = terms.cell_mass * sum(power(terms.gradient_correction, state, gradient, i) for i in range(n))
-    assert abs(forces) > 1.0
-    assert forces + stresses == pytest.approx(0.0, abs=1e-11 * abs(forces))
 
 
 @pytest.mark.uncompiled
@@ -71,20 +46,16 @@ def test_contact_takes_no_energy_whoever_is_let_go(top: str, correction: dict[st
 )
 def test_the_wall_lets_go_of_what_it_would_pull(stress: float, velocity: float, tension: float, leaves: bool) -> None:
     # A stress of so many kPa, and a velocity away from the base.
-    scene = box(walls__sides="none", walls__top="none", walls__tension=tension)
-    particles = place_particles(scene)
-    state, terms, n = initial_state(particles, scene), make_terms(scene, particles), particles.n_soil
-    state.syy[:n] = 1e3 * stress / scene.soil.density**2
-    state.vy[:n] = velocity
-    pairs: Any = make_lists(state, terms)[1]
-    plain = only(terms, "no_slip", "contact")
-    velocity_gradients(state, pairs, plain, np.zeros((4, state.x.size)), 0, state.x.size)
-    stress_accelerations(state, pairs, plain, np.zeros((3, state.x.size)), 0, n)
-    lowest = (state.y[:n] < 1.0) & (np.abs(state.x[:n] - 4.0) < 1.0)
-    assert np.all(pairs.contact[:n, 2][lowest] == float(leaves))
+    box = Placed(BOX, {"walls.sides": "none", "walls.top": "none", "walls.tension": tension})
+    box.state.syy[: box.n] = 1e3 * stress / box.scene.soil.density**2
+    box.state.vy[: box.n] = velocity
+    box.strain()
+    box.accelerate()
+    lowest = (box.y < 1.0) & (np.abs(box.x - 4.0) < 1.0)
+    assert np.all(box.pairs.contact[: box.n, 2][lowest] == float(leaves))
     # Bonded, constant stress is in equilibrium there; let go, the free surface pulls upwards.
-    unit = 1e3 / scene.soil.density**2 * np.abs(pairs.wall).max()
-    assert np.all((state.ay[:n][lowest] > 0.1 * unit) == leaves)
+    unit = 1e3 / box.scene.soil.density**2 * np.abs(box.pairs.wall).max()
+    assert np.all((box.state.ay[: box.n][lowest] > 0.1 * unit) == leaves)
 
 
 def thrown(base: str) -> float:
@@ -124,4 +95,4 @@ def test_a_block_leaves_a_contact_base_and_hangs_on_a_bonded_one() -> None:
 
 def test_a_tension_without_contact_walls_is_refused() -> None:
     with pytest.raises(ValueError, match=r"walls\.tension: 2\.0 kPa .*contact"):
-        box(walls={"base": "no_slip", "sides": "none", "top": "none", "tension": 2.0})
+        make_scene(BOX | {"walls": {"base": "no_slip", "sides": "none", "top": "none", "tension": 2.0}})

@@ -6,15 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from placed import Placed
 
-from sph.scene.configuration import dotted, merge
-from sph.scene.schema import make_scene
-from sph.solver.initial_state import initial_state
-from sph.solver.particles import place_particles
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.residual_viscosity import keep_strain_rate
-from sph.solver.renewal import make_lists
-from sph.solver.terms import State, make_terms, only
+from sph.solver.terms import only
 
 pytestmark = pytest.mark.uncompiled
 
@@ -28,23 +24,12 @@ BLOCK = {
 }
 
 
-class Block:
+class Block(Placed):
     """A free block of soil with velocities, and the acceleration (2, n) that its artificial viscosity gives."""
 
     def __init__(self, reconstruction: str, jitter: float = 0.0, overrides: dict[str, Any] | None = None) -> None:
         viscosity = {"numerics.artificial_viscosity": {"alpha": 0.1, "reconstruction": reconstruction}}
-        self.scene = make_scene(merge(BLOCK, dotted(viscosity | (overrides or {}))))
-        particles = place_particles(self.scene)
-        self.state: State = initial_state(particles, self.scene)
-        generator = np.random.default_rng(3)
-        for name in ("x", "y"):
-            moved = getattr(self.state, name)
-            moved += generator.uniform(-jitter, jitter, moved.size)
-            for other in (f"{name}_pairs", f"{name}_candidates"):
-                getattr(self.state, other)[:] = moved
-        self.mass = particles.mass
-        self.terms = make_terms(self.scene, particles)
-        self.pairs: Any = make_lists(self.state, self.terms)[1]
+        super().__init__(BLOCK, viscosity | (overrides or {}), jitter)
 
     def acceleration(self) -> np.ndarray:
         n, terms = self.state.x.size, only(self.terms, "artificial_viscosity", "residual_viscosity", "layers")
@@ -90,7 +75,7 @@ def test_pairs_keep_momentum_and_only_lose_energy(layered: bool) -> None:
     block = Block("linear", 0.2, {"layers": {"heavy": heavy}} if layered else None)
     generator = np.random.default_rng(7)
     block.state.vx[:], block.state.vy[:] = generator.normal(size=(2, block.state.x.size))
-    force = block.mass * block.acceleration()
+    force = block.particles.mass * block.acceleration()
     assert np.abs(force.sum(axis=1)).max() < 1e-11 * np.abs(force).sum()
     assert float(force[0] @ block.state.vx + force[1] @ block.state.vy) < -0.1 * np.abs(force).sum()
 
