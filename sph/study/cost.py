@@ -4,8 +4,8 @@ Computing time is a sum of four parts, each with a constant of the reference mac
 the cost-accuracy study, two runs side by side).  The constants were fitted to the 78 timed variants of
 ``measured/cost-accuracy.csv`` (least squares of the logarithms, outliers damped): half of them are met within 4 %, eight in ten between
 -8 % and +7 %; the worst are 0.61 and 1.24 times the measured time.  The 0.61 is the finest run, 1/6 m: it was measured beside other work,
-and the constants know nothing of memory, which is slower than the cache (0.83 at 0.25 m).  Steps that an adaptive step adds are counted in whole parts of the scene's step: with h of 2.3 spacings on ten and fifteen
-rows of particles that was 40 and 27 % too many.
+and the constants know nothing of memory, which is slower than the cache (0.83 at 0.25 m).  Steps that an adaptive step adds are counted
+in whole parts of the scene's step: with h of 2.3 spacings on ten and fifteen rows of particles that was 40 and 27 % too many.
 
 * a directed neighbour and a particle in a time step;
 * the renewal of a directed neighbour's gradient, whenever the fastest debris has moved by ``numerics.gradient_tolerance``; it is taken
