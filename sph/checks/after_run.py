@@ -51,6 +51,21 @@ def lower_bounds(table: pd.DataFrame) -> pd.Series:
     return (table["reached_side"].map(is_bounded) | table["findings"].map(is_braked)).astype(bool)
 
 
+def in_motion(run: Mapping[Any, Any]) -> bool:
+    """Whether a run that did not diverge still moves at its end, by its row of a study's table."""
+    return not run["at_rest"] and not run["diverged"]
+
+
+def is_at_least(run: Mapping[Any, Any]) -> bool:
+    """Whether displacement and run-out of a run are shown as lower bounds: they are, or the run ends in motion."""
+    return is_lower_bound(run) or in_motion(run)
+
+
+def at_least(table: pd.DataFrame) -> pd.Series:
+    """The same of all runs of a study's table."""
+    return lower_bounds(table) | (table["at_rest"] == 0) & (table["diverged"] == 0)
+
+
 def debris_at_wall(scene: Scene, reached_side: str, time: float) -> list[Finding]:
     """The finding of a run whose failed soil met sides of the box, by the metrics ``reached_side`` and ``reached_side_time`` (s)."""
     sides = reached_side.split()

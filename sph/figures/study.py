@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from sph.checks.after_run import is_lower_bound, lower_bounds
+from sph.checks.after_run import at_least, is_at_least
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, metres, plain, styled, write_note, written
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.storage.trajectory import Status
@@ -44,7 +44,7 @@ MANY = 300
 """Runs from which on the marks are small, and a picture in a PDF."""
 DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
 BOUNDED: dict[str, Any] = {"linestyle": "", "marker": "$\\uparrow$", "markersize": 10, "color": "#0072b2", "markeredgewidth": 0.3}
-"""Over the mark of a run whose debris met the box or was braked: its value is a lower bound."""
+"""Over the mark of a run whose debris met the box, was braked or still moves: its value is a lower bound."""
 
 HATCH = "///"
 """Of cells whose soil fails before the shaking."""
@@ -98,7 +98,8 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
     """Displacement of the probe and run-out of every run.  A grid is drawn against the amplitude of shaking, or else its first dimension,
     with a curve for every value of another and panels for the rest; between words, such as records, a curve only shows which runs belong
     together.  A list or a sample is drawn against each of its dimensions.  Marks show the class; crosses at the lower edge are runs that
-    diverged, hollow marks runs that failed before the shaking, arrows lower bounds: debris met the end of the box, or was braked.
+    diverged, hollow marks runs that failed before the shaking, arrows lower bounds: debris met the end of the box, was braked or still
+    moves.
 
     ``table`` as from ``sph.study.tables.read_table``.  Metrics that no run has, such as the run-out of a block, are left out.  Raises
     ValueError for an empty table.
@@ -127,8 +128,7 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
         figure.legend(
             handles=handles, loc="outside upper left", ncols=len(handles), title=_wrapped(arrangement.other.label), handlelength=3.0
         )
-    classes = [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES if (table["collapse_class"] == name).any()]
-    _class_legend(figure, table, classes)
+    _class_legend(figure, table)
     write_note(figure, note)
     return figure
 
@@ -159,10 +159,7 @@ def figure_map(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str 
             _draw_runs(ax, panel.runs.assign(x=x, y=y))
         if arrangement.other is None:
             ax.set(yticks=[], ylim=(-0.5, 0.5))
-    patches = [
-        Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for name, colour in zip(CLASSES, class_colours(), strict=True)
-    ]
-    _class_legend(figure, table, patches if arrangement.grid else [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES])
+    _class_legend(figure, table, arrangement.grid)
     if arrangement.grid:
         figure.text(0.005, 0.995, f"numbers: displacement of {plain(probe)} (m)", ha="left", va="top")
     write_note(figure, note)
@@ -220,7 +217,7 @@ def _draw_runs(ax: Axes, runs: pd.DataFrame) -> None:
         if len(rows):  # a line without points would upset the layout
             hollow = {"markerfacecolor": "white"} if unshaken else {}
             ax.plot(rows["x"], rows["y"], rasterized=many, clip_on=False, **_look(name, many) | hollow)
-    bounded = runs[lower_bounds(runs) & runs["y"].notna()]
+    bounded = runs[at_least(runs) & runs["y"].notna()]
     if len(bounded):
         ax.plot(bounded["x"], bounded["y"], clip_on=False, **BOUNDED)
     diverged = runs[runs["collapse_class"] == UNDETERMINED]
@@ -242,7 +239,7 @@ def _draw_cells(ax: Axes, runs: pd.DataFrame, numbered: bool) -> None:
             ax.text(
                 run["x"],
                 run["y"],
-                metres(run["displacement_magnitude"], is_lower_bound(run)),
+                metres(run["displacement_magnitude"], is_at_least(run)),
                 ha="center",
                 va="center",
                 color="white" if dark else "black",
@@ -250,13 +247,17 @@ def _draw_cells(ax: Axes, runs: pd.DataFrame, numbered: bool) -> None:
             )
 
 
-def _class_legend(figure: Figure, table: pd.DataFrame, handles: Sequence[Any]) -> None:
-    """The classes, and what marks a run that diverged or failed before the shaking where there is one."""
+def _class_legend(figure: Figure, table: pd.DataFrame, cells: bool = False) -> None:
+    """The classes that there are, and what marks a run that diverged or failed before the shaking where there is one."""
+    reached = [(name, colour) for name, colour in zip(CLASSES, class_colours(), strict=True) if (table["collapse_class"] == name).any()]
+    handles = [
+        Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) if cells else Line2D([], [], label=name, **_look(name, False))
+        for name, colour in reached
+    ]
     diverged = [Line2D([], [], label="diverged", **DIVERGED)] if (table["collapse_class"] == UNDETERMINED).any() else []
     hollow = {**_look(CLASSES[0], False), "markerfacecolor": "white"}
-    cells = all(isinstance(handle, Patch) for handle in handles)
     mark = Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label=UNSHAKEN) if cells else Line2D([], [], label=UNSHAKEN, **hollow)
-    arrows = not cells and lower_bounds(table).any()
+    arrows = not cells and at_least(table).any()
     bounded = [Line2D([], [], label="lower bound", **BOUNDED)] if arrows else []
     unshaken = [mark] if (table["status"] == Status.FAILED_UNSHAKEN).any() else []
     figure.legend(handles=[*handles, *diverged, *unshaken, *bounded], loc="outside upper right", ncols=4)

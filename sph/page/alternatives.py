@@ -8,18 +8,16 @@ from typing import Any
 
 import pandas as pd
 
-from sph.checks.after_run import is_bounded, is_braked, is_lower_bound
+from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_braked
 from sph.checks.messages import listed
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import ARRIVAL, PEAK_DEPTH, REACHED, column_of, places_in
-from sph.page.tables import Table, in_motion
+from sph.page.tables import Table
 from sph.scene.units import in_both
-from sph.study.dimensions import ALTERNATIVE, AS_IT_IS, BASE, Dimension, title_of
+from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE, Dimension, title_of
 from sph.study.preflight import Row
 
-AMPLITUDE = "amplitude"
-"""The dimension of the shaking."""
 MORE = " more movement"
 NOTICED = 0.5
 """Percent of the displacement below which nothing is saved."""
@@ -140,7 +138,7 @@ def _avoided(runs: Sequence[Mapping[Any, Any]], harm: Callable[[Mapping[Any, Any
     """Whether no run does ``harm``; the reason why it is not known where one that has not goes on."""
     if any(map(harm, runs)):
         return False
-    return next((_why(run) for run in runs if _goes_on(run)), True)
+    return next((_why(run) for run in runs if is_at_least(run)), True)
 
 
 def _which(outcomes: Mapping[str, bool | str], verb: str, what: str) -> str:
@@ -168,7 +166,7 @@ def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
     less = float(base["displacement_magnitude"] - own["displacement_magnitude"])
     share = 100.0 * less / float(base["displacement_magnitude"]) if base["displacement_magnitude"] > 0.0 else 0.0
     words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + MORE * (less < 0.0)
-    bounds = _goes_on(base), _goes_on(own)
+    bounds = is_at_least(base), is_at_least(own)
     if all(bounds):
         reasons = _why(base), _why(own)
         return f"unknown: in both {reasons[0]}" if reasons[0] == reasons[1] else f"unknown: as it is {reasons[0]}, and with it {reasons[1]}"
@@ -191,13 +189,8 @@ def _why(run: Mapping[Any, Any]) -> str:
     return next(words for holds, words in reasons if holds)
 
 
-def _goes_on(run: Mapping[Any, Any]) -> bool:
-    """Whether displacement and run-out of a run are lower bounds, also since it still moves at its end."""
-    return is_lower_bound(run) or in_motion(run)
-
-
 def _length(run: Mapping[Any, Any] | None, name: str) -> str:
-    return NOTHING if run is None else metres(float(run[name]), _goes_on(run))
+    return NOTHING if run is None else metres(float(run[name]), is_at_least(run))
 
 
 def _at(runs: pd.DataFrame, place: str) -> tuple[str, str, str]:
@@ -205,12 +198,12 @@ def _at(runs: pd.DataFrame, place: str) -> tuple[str, str, str]:
     where it goes on in a run that has not reached it, or whose depth may grow."""
     reached = runs[column_of(place, REACHED)]
     known, there = runs[reached.notna()].to_dict("records"), runs[reached > 0.0]
-    on_its_way = any(_goes_on(run) for run in known if run[column_of(place, REACHED)] == 0.0)
+    on_its_way = any(is_at_least(run) for run in known if run[column_of(place, REACHED)] == 0.0)
     count = f"{AT_LEAST * on_its_way}{len(there)} of {len(known)}"
     if there.empty:
         return count, NOTHING, NOTHING
     first = float((there[column_of(place, ARRIVAL)] - there["shaking_start"]).min())
-    bounded = any(_goes_on(run) for run in known)
+    bounded = any(is_at_least(run) for run in known)
     return count, f"{first:.3g}" if first == first else NOTHING, metres(float(there[column_of(place, PEAK_DEPTH)].max()), bounded)
 
 

@@ -7,14 +7,14 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import BRAKED, is_bounded, is_braked, is_open, lower_bounds
+from sph.checks.after_run import BRAKED, at_least, is_bounded, is_braked, is_open
 from sph.checks.messages import Severity, braked_words, factor_words, sentence, yield_words
 from sph.experiments.variants.advice import expected_sentence
 from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
 from sph.measures.places import places_in
 from sph.measures.sides import BACK
-from sph.page.alternatives import AMPLITUDE, compared, slices_of, verdict
+from sph.page.alternatives import compared, slices_of, verdict
 from sph.page.facts import (
     NOT_SEARCHED,
     NOT_TESTED,
@@ -39,7 +39,7 @@ from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.storage.trajectory import Status
-from sph.study.dimensions import ALTERNATIVE, BASE, CASE, Dimension, shown_unit, title_of
+from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, BASE, CASE, Dimension, shown_unit, title_of
 from sph.study.preflight import Row, read_preflight
 from sph.study.runs import SAFETY, YIELD
 from sph.study.tables import EXPECTED
@@ -169,7 +169,7 @@ def as_it_is(table: pd.DataFrame) -> pd.DataFrame:
 
 def _bound(known: pd.DataFrame) -> str:
     """Whether the largest run-out of some runs is that, or more was to come."""
-    return "at least" if (known["at_rest"] == 0).any() or lower_bounds(known).any() else "up to"
+    return "at least" if at_least(known).any() else "up to"
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:

@@ -19,6 +19,7 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 from PIL import Image
 
+from sph.checks.after_run import is_bounded
 from sph.checks.equilibrium import found_equilibrium
 from sph.figures import caption as caption_of
 from sph.figures.arrangement import stays_words
@@ -27,7 +28,7 @@ from sph.figures.style import DPI, NOTHING, WIDTH
 from sph.measures.metrics import CLASSES
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
-from sph.page.answer import answer, as_it_is
+from sph.page.answer import answer, as_it_is, strongest
 from sph.page.explorer import explorer
 from sph.page.matrix import TO_COME, Matrix, matrix
 from sph.page.sections import DOCS, Drawing, Section, of
@@ -254,10 +255,14 @@ def found_part(section: Section, study: StudyFiles) -> Part:
 
 
 def farthest(table: pd.DataFrame) -> str | None:
-    """The run of those shown that goes farthest, of the scene as it is where there are alternatives; None where all diverged."""
+    """The run of those shown that goes farthest, of the scene as it is where there are alternatives; None where all diverged.  Of runs
+    whose debris reached an end of the box, which is as far as it can go, that of the strongest shaking."""
     sound = as_it_is(table[table["diverged"] == 0])
     if sound.empty:
         return None
+    met = sound["reached_side"].map(is_bounded)
+    if met.any():
+        sound = strongest(sound[met])
     return str(sound.fillna({"runout": 0.0}).sort_values(["runout", "displacement_magnitude"], kind="stable").index[-1])
 
 

@@ -20,14 +20,13 @@ from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, re
 from sph.figures.style import metres
 from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, STABLE
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
-from sph.page.alternatives import AMPLITUDE
 from sph.page.tables import moves_on
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
-from sph.study.dimensions import Dimension, dimension
+from sph.study.dimensions import AMPLITUDE, Dimension, dimension
 from sph.study.preflight import Row
 from sph.study.runs import OF_MEAN, SLOPE_LIMITS
 from sph.study.tables import read_csv

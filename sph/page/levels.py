@@ -6,15 +6,14 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from sph.checks.after_run import is_bounded, lower_bounds
+from sph.checks.after_run import at_least, in_motion, is_bounded
 from sph.experiments.trigger.exceedance import SHARES, width_within
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import places_in
-from sph.page.alternatives import AMPLITUDE
 from sph.page.tables import MAX_VALUES, Table
 from sph.scene.units import beside_g
-from sph.study.dimensions import Dimension
+from sph.study.dimensions import AMPLITUDE, Dimension
 
 FEWEST = 4
 """Fewest runs an amplitude whose widths are worth a row."""
@@ -27,7 +26,7 @@ def widths(table: pd.DataFrame) -> list[Table]:
     rows = []
     for value, runs in _groups(table):
         runouts = runs["runout"].to_numpy(float)
-        bounded = bool(lower_bounds(runs).any())
+        bounded = bool(at_least(runs).any())
         rows.append((beside_g(value), str(len(runs)), *(metres(width_within(runouts, share), bounded) for share in SHARES)))
     head = ("shaking (m/s²)", "runs", *(f"{share:.0%} (m)" for share in SHARES))
     errors = table["expected_runout_error"].dropna()
@@ -49,7 +48,7 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
     rows = []
     for value, runs in groups:
         reached = [name for name in CLASSES if (runs["collapse_class"] == name).any()] or [NOTHING]
-        met = lower_bounds(runs)
+        met = at_least(runs)
         columns = (("displacement_magnitude", met), ("runout", met), ("newmark_displacement", met & False))
         spans = [_lengths(runs[name], bounds) for name, bounds in columns]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
@@ -57,6 +56,8 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
     notes = ["Smallest to largest value over the other dimensions of the study."] if len(table) > len(groups) else []
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")
+    if any(map(in_motion, table.to_dict("records"))):
+        notes.append(f"{AT_LEAST.strip()}: in at least one run soil still moved at the end.")
     if why:
         notes.append(f"{AT_LEAST.strip()}: debris is braked, so the value is too small: {why}.")
     notes += _compared(table)
@@ -72,7 +73,7 @@ def _compared(table: pd.DataFrame) -> list[str]:
     table = table[table["runout"] > 0.0]
     if table.empty:
         return []
-    energy, field = (_lengths(table[name], lower_bounds(table) & False) for name in ("energy_line_runout", "corominas_runout"))
+    energy, field = (_lengths(table[name], at_least(table) & False) for name in ("energy_line_runout", "corominas_runout"))
     if field == NOTHING:
         return []
     point = f"{energy} m by the energy line (residual friction, less by water pressure)" if energy != NOTHING else ""

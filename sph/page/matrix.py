@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from matplotlib.colors import to_hex, to_rgb
 
-from sph.checks.after_run import is_lower_bound
+from sph.checks.after_run import is_at_least
 from sph.figures.study import arranged
 from sph.figures.style import class_colours, metres
 from sph.measures.metrics import CLASSES
@@ -90,7 +90,7 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
         return Cell(name, "×", DIVERGED, "diverged: no results", name in shown)
     if row["status"] == Status.FAILED_UNSHAKEN:
         kind = UNSHAKEN
-    bounded = is_lower_bound(row)
+    bounded = is_at_least(row)
     said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {metres(row['runout'], bounded)} m"  # a block has none
     return Cell(name, metres(row["displacement_magnitude"], bounded), kind, said, name in shown)
 

@@ -408,7 +408,7 @@
     button.addEventListener("click", () => SAVES[button.dataset.save](button));
   }
   window.addEventListener("hashchange", follow);
-  window.addEventListener("beforeprint", () => document.querySelectorAll("details:not(#scene details)").forEach((rest) => { rest.open = true; }));
+  window.addEventListener("beforeprint", () => document.querySelectorAll("details:not(#scene details, .long)").forEach((rest) => { rest.open = true; }));
   byId("detail").textContent = `This page holds ${study.detail} of every run, positions to ${(1000 * study.quantum).toPrecision(2)} mm; the run's file holds the rest.`;
   new ResizeObserver(() => draw()).observe(byId("profile").parentElement);
   choose();

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from pydantic import BaseModel
 
-from sph.checks.after_run import is_braked, is_lower_bound, is_open
+from sph.checks.after_run import in_motion, is_at_least, is_braked, is_open
 from sph.experiments.variants.advice import percent
 from sph.figures.style import NOTHING, metres
 from sph.scene.layers import BelowRegion, DepthRegion, PolygonRegion, Region
@@ -155,11 +155,6 @@ def _status(row: Mapping[Any, Any]) -> str:
     return str(row["status"]) + moving + met + braked + energy
 
 
-def in_motion(run: Mapping[Any, Any]) -> bool:
-    """Whether a run that did not diverge still moves at its end, by its row of a study's table."""
-    return not run["at_rest"] and not run["diverged"]
-
-
 def moves_on(runs: pd.DataFrame) -> str:
     """How much of the debris of runs in motion moves at their end, and for how long, in words."""
     time, share = runs["time_to_rest"], 100.0 * float(runs["moving_share"].max())
@@ -171,8 +166,8 @@ def moves_on(runs: pd.DataFrame) -> str:
 
 
 def _at_least(row: Mapping[Any, Any], name: str) -> str:
-    """A length of a run, as a lower bound where its debris met the box or was braked; one that is not known has no bound."""
-    return metres(row[name], is_lower_bound(row))
+    """A length of a run, as a lower bound where its debris met the box, was braked or still moves; one that is not known has no bound."""
+    return metres(row[name], is_at_least(row))
 
 
 class Column(NamedTuple):

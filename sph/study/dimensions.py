@@ -46,6 +46,8 @@ SHORT_NAMES = {
 """The dimensions with short names, by these."""
 AXES = tuple(each.axis for each in SHORT_NAMES.values())
 """The same in a study's tables."""
+AMPLITUDE = "amplitude"
+"""The dimension of the shaking."""
 ALTERNATIVE, BASE = "alternative", "base"
 """Dimension of a study with alternatives, and its value for the scene as it is."""
 AS_IT_IS = "as it is"

@@ -23,6 +23,7 @@ from sph.scene.names import check_known
 from sph.scene.scheme import has_key
 from sph.study.dimensions import (
     ALTERNATIVE,
+    AMPLITUDE,
     BASE,
     CASE,
     Value,
@@ -74,6 +75,12 @@ def _dimensions_kept(grid: Any) -> Any:
 def _known_field(name: str) -> str:
     check_field(name)
     return name
+
+
+def _evenly(names: Sequence[str], most: int) -> list[str]:
+    """At most so many of some names, evenly spread."""
+    at = np.unique(np.linspace(0, len(names) - 1, min(max(most, 0), len(names))).round().astype(int))
+    return [names[number] for number in at]
 
 
 class FigureCases(Section):
@@ -284,8 +291,7 @@ class Study(Section):
         for name in chosen:
             if name not in self.runs:
                 raise ValueError(f"figures.runs: there is no run {name!r}; the first are {', '.join(names[:3])}")
-        even = np.unique(np.linspace(0, len(names) - 1, min(max(most - len(chosen), 0), len(names))).round().astype(int))
-        wanted = {names[number] for number in even} | set(chosen)
+        wanted = {*_evenly(names, most - len(chosen)), *chosen}
         return [name for name in names if name in wanted]
 
     @property
@@ -319,8 +325,17 @@ class Study(Section):
 
     @property
     def profile_runs(self) -> list[str]:
-        """Names of the runs whose profiles are drawn."""
-        return self.shown_runs(FEW_PROFILES if not self.figures.runs else 0, self.figures.runs)
+        """Names of the runs whose profiles are drawn: those asked for, or else a few of the strongest shaking, of the scene as it is
+        before alternatives, and where they are fewer some of the other runs."""
+        if self.figures.runs:
+            return self.shown_runs(0, self.figures.runs)
+        shaking = {name: float(point.get(AMPLITUDE, 0.0)) for name, point in self.runs.items()}
+        strongest = max(shaking.values())
+        ranks = {name: (shaking[name] < strongest, point.get(ALTERNATIVE, BASE) != BASE) for name, point in self.runs.items()}
+        shown = list[str]()
+        for rank in sorted(set(ranks.values())):
+            shown += _evenly([name for name in self.runs if ranks[name] == rank], FEW_PROFILES - len(shown))
+        return self.shown_runs(0, shown)
 
     @classmethod
     def read(cls, data: Mapping[str, Any], origin: str) -> Study:

@@ -292,7 +292,7 @@ def grid_of(*dimensions: Dimension) -> pd.DataFrame:
     table = pd.DataFrame(rows, columns=[found.name for found in dimensions])
     moved = np.where(np.arange(len(rows)) == 0, np.nan, np.arange(len(rows)) / 10)
     classes = [UNDETERMINED, *(CLASSES[number % 4] for number in range(1, len(rows)))]
-    same = {"status": "complete", "reached_side": "", "findings": ""}
+    same = {"status": "complete", "reached_side": "", "findings": "", "at_rest": 1, "diverged": 0}
     return table.assign(**same, collapse_class=classes, displacement_magnitude=moved, runout=0.5 * moved)
 
 
@@ -321,12 +321,14 @@ def test_a_map_holds_every_run_in_a_cell_of_its_own() -> None:
     numbers = [text.get_text() for ax in figure.axes for text in ax.texts]
     assert sorted(numbers) == sorted(map(metres, table["displacement_magnitude"].dropna()))
     assert sum(line.get_marker() == "x" for ax in figure.axes for line in ax.lines) == 1
+    two = figure_map(table[table["collapse_class"].isin(CLASSES[::3])], [AMPLITUDE, COHESION, KERNEL])
+    assert [text.get_text() for text in two.legends[0].get_texts()] == ["stable", "collapse"], "only what is drawn"
     assert [ax.get_title(loc="left") for ax in figure.axes] == ["kernel wendland_c2", "kernel cubic_spline"]
     assert (figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()) == ("amplitude (m/s²)", "cohesion of soft clay (kPa)")
 
 
-@pytest.mark.parametrize("bound", [{"reached_side": "front back"}, {"findings": "few-particles weak-on-strong"}])
-def test_values_of_debris_that_met_the_box_or_was_braked_are_marked_as_lower_bounds(bound: dict[str, str]) -> None:
+@pytest.mark.parametrize("bound", [{"reached_side": "front back"}, {"findings": "few-particles weak-on-strong"}, {"at_rest": 0}])
+def test_values_of_debris_that_met_the_box_was_braked_or_still_moves_are_marked_as_lower_bounds(bound: dict[str, Any]) -> None:
     table = grid_of(AMPLITUDE, COHESION, KERNEL)
     met = table.assign(**bound)
     numbers = [text.get_text() for ax in figure_map(met, [AMPLITUDE, COHESION, KERNEL]).axes for text in ax.texts]
@@ -369,7 +371,7 @@ def test_a_list_is_drawn_against_each_dimension() -> None:
         (100.0, "b", "complete", UNDETERMINED, np.nan, np.nan),
     ]
     columns = ["soil.cohesion", "numerics.kernel", "status", "collapse_class", "displacement_magnitude", "runout"]
-    table = pd.DataFrame(rows, columns=columns).astype({"soil.cohesion": str}).assign(reached_side="", findings="")
+    table = pd.DataFrame(rows, columns=columns).astype({"soil.cohesion": str}).assign(reached_side="", findings="", at_rest=1, diverged=0)
     figure = figure_study(table, [cohesion, KERNEL])
     assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear", "log", "linear"]
     assert [label.get_text() for label in figure.axes[3].get_xticklabels()] == ["b", "a"]

@@ -429,10 +429,14 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(weak, [cohesion, shaking]).startswith("no failure found up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
-    many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="")
+    many = many.assign(
+        displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="", at_rest=1, diverged=0
+    )
     many = many.assign(energy_line_runout=np.nan, corominas_runout=np.nan)
     shown = levels(many, [shaking], "A")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "unlimited")] and "upper bound" not in shown.note
+    moving = levels(many.assign(at_rest=[0, *[1] * 19]), [shaking], "A")
+    assert moving.rows[0][2] == "2.00 to ≥ 2.00" and "still moved at the end" in moving.note
     further = many.assign(runout=[9.0, *[1.0] * 19], findings="thin-box block-not-rigid")
     assert levels(further.assign(reached_side="front back"), [shaking], "A").rows[0][2:4] == ("≥ 2.00", "≥ 1.00 to ≥ 9.00")
     met = levels(further.assign(reached_side=["front back", *["back"] * 19]), [shaking], "A")

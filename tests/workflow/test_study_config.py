@@ -325,6 +325,20 @@ def test_large_studies_are_measured_in_parts() -> None:
     assert len(shown) <= 200 and {"case-000001", "case-001201"} <= set(shown)
 
 
+def test_profiles_are_those_of_the_strongest_shaking_of_the_scene_as_it_is() -> None:
+    records, drained = ["a.csv", "b.csv"], {"drained": {"soil": {"cohesion": 60}}}
+    for more, wanted in (
+        ({}, ["amplitude-1_a", "amplitude-1_b", "amplitude-9_a", "amplitude-9_b"]),  # all there are
+        ({"alternatives": drained}, [f"amplitude-9_{which}" for which in ("a_base", "a_drained", "b_base", "b_drained")]),
+        ({"figures": {"runs": ["amplitude-1_motion.file-b.csv"]}}, ["amplitude-1_b"]),
+    ):
+        study = validated(AnyStudy, {**GOOD, "grid": {"amplitude": [1, 9], "motion.file": records}, **more}, "config")
+        short = [name.replace("motion.file-", "").replace(".csv", "").replace("alternative-", "") for name in study.profile_runs]
+        assert short == wanted
+    many = validated(AnyStudy, {**GOOD, "grid": {"amplitude": list(range(1, 21))}}, "config")
+    assert many.profile_runs == ["amplitude-1", "amplitude-10", "amplitude-19", "amplitude-20"]
+
+
 @pytest.mark.parametrize(
     ("runs", "wanted"),
     [
