@@ -1,16 +1,22 @@
 """Digest of sources: what they say to the machine decides a result, what they say to people does not.
 
 Left out are layout and comments, docstrings, what errors are raised with, and the texts that ``WORDS`` lists.
+What is found of a text is kept for the user's next processes, of which most would parse the same ones: half a second for the solver's.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
+import json
+import os
+import sys
 from collections.abc import Iterable
-from functools import cache
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+from sph.storage.files import whole
 
 WORDS: dict[str, tuple[int | str, ...]] = {
     "key": (0, 2, "source"),  # description and source of a key of the configuration
@@ -30,18 +36,60 @@ def words(text: str) -> str:
     return text
 
 
+KEPT = "sources.json"
+"""What is kept, in the folder of the compiled solver: digests by those of the texts and of what decides how they are read."""
+MAX_KEPT = 2000
+"""Most texts, some releases of the library; the first that were kept go first."""
+_READING = hashlib.sha256(sys.version.encode() + Path(__file__).read_bytes())
+_known: dict[str, str] = {}
+
+
 def sources_digest(paths: Iterable[Path], folder: Path, more: str = "") -> str:
     """Digest of files below a folder, of Python without the words, of others as they are; and of what ``more`` says."""
+    if not _known:
+        _known.update(_kept())
+    before = len(_known)
     digest = hashlib.sha256(more.encode())
     for path in sorted(paths):
         digest.update(f"{path.relative_to(folder).as_posix()}\n{_executed(path.read_bytes(), path.suffix)}\n".encode())
+    if len(_known) > before:
+        _keep()
     return digest.hexdigest()[:16]
 
 
-@cache
 def _executed(data: bytes, suffix: str) -> str:
-    said = _syntax(ast.parse(data)).encode() if suffix == ".py" else data
-    return hashlib.sha256(said).hexdigest()
+    if suffix != ".py":
+        return hashlib.sha256(data).hexdigest()
+    text = _READING.copy()
+    text.update(data)
+    key = text.hexdigest()
+    if key not in _known:
+        _known[key] = hashlib.sha256(_syntax(ast.parse(data)).encode()).hexdigest()
+    return _known[key]
+
+
+def _place() -> Path:
+    chosen, users = os.environ.get("SPH_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    return (Path(chosen) if chosen else (Path(users) if users else Path.home() / ".cache") / "sph") / KEPT
+
+
+def _kept() -> dict[str, str]:
+    """What earlier processes of this user have kept; nothing where another one may have written it."""
+    with suppress(OSError, RuntimeError, ValueError, TypeError), _place().open("rb") as file:
+        found = os.fstat(file.fileno())
+        if not hasattr(os, "getuid") or found.st_uid == os.getuid() and not found.st_mode & 0o022:
+            return dict(json.load(file))
+    return {}
+
+
+def _keep() -> None:
+    """Keep what is known, where there is a folder for that; it is made with the first code that is compiled."""
+    with suppress(OSError, RuntimeError):
+        if _place().parent.is_dir():
+            latest = [*(_kept() | _known).items()][-MAX_KEPT:]
+            with whole(_place()) as temporary:
+                temporary.touch(0o600)
+                temporary.write_text(json.dumps(dict(latest)), encoding="utf-8")
 
 
 def _syntax(part: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import shutil
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 import sph
 from sph.solver.compiled import jit
 from sph.stability import record
+from sph.storage import sources as storage_sources
 from sph.storage.sources import sources_digest, words
 from sph.study import planned
 from sph.study.planned import contents, sources
@@ -146,3 +148,34 @@ def test_names_and_all_that_is_no_python_count(tmp_path: Path) -> None:
     assert digest(tmp_path / "three", "# 1", "a.csv") != digest(tmp_path / "four", "# 2", "a.csv")
     with pytest.raises(ValueError, match="sources: solver/gone"):
         sources("solver/gone*.py")
+
+
+def test_a_text_is_parsed_once_for_all_processes_of_a_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SPH_CACHE_DIR", str(tmp_path / "cache"))
+    kept, parse = tmp_path / "cache" / storage_sources.KEPT, ast.parse
+    parsed, found, number = list[bytes](), list[str](), iter(range(99))
+
+    def counted(data: bytes) -> ast.Module:
+        parsed.append(data)
+        return parse(data)
+
+    monkeypatch.setattr(ast, "parse", counted)
+
+    def times_parsed(text: str) -> int:
+        """By a new process."""
+        monkeypatch.setattr(storage_sources, "_known", {})
+        parsed.clear()
+        found.append(digest(tmp_path / str(next(number)), text))
+        return len(parsed)
+
+    assert times_parsed("x = 1") == times_parsed("x = 1") == 1 and not kept.parent.exists(), "who compiles makes it, for the user alone"
+    kept.parent.mkdir()
+    assert times_parsed("x = 1") == 1 and kept.stat().st_mode & 0o777 == 0o600
+    assert times_parsed("x = 1") == 0 and len(set(found)) == 1
+    assert times_parsed("x = 2") == 1 and times_parsed("x = 2") == times_parsed("x = 1") == 0 and len(set(found)) == 2
+    kept.chmod(0o666)
+    assert times_parsed("x = 1") == 1, "another user may have written it"
+    for damaged in ("", "[1, 2]", "7"):
+        kept.write_text(damaged)
+        assert times_parsed("x = 1") == 1
+    assert found[-1] == found[0]
