@@ -487,9 +487,8 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     if water is None:
         assumed.append("no water")
     else:
-        by_depth = isinstance(water, float)
-        carried = WATER_TEXT.format(file=quoted("water.csv" if by_depth else os.path.relpath(water, folder)))
-        follows = "; the water table follows the ground" if by_depth else ""
+        carried = WATER_TEXT.format(file=quoted(os.path.relpath(water, folder) if isinstance(water, Path) else "water.csv"))
+        follows = "" if isinstance(water, Path) else "; the water table follows the ground"
         assumed.append(f"moving soil keeps its pore pressure, as silt and clay (water.pressure: carried){follows}")
     if "berm" in known.alternatives and section.berm is not None:
         assumed.append(f"berm of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}")
@@ -524,7 +523,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "places": f"metrics: {{places: {{{places}}}}}" if places else "# metrics: {places: {house: 15 beyond the toe}}",
         "alternatives": "\n".join(_alternatives(known, section, folder)),
     }
-    return facts | of_rows, assumed
+    return {**facts, **of_rows}, assumed
 
 
 def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str]:

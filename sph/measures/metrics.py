@@ -469,7 +469,8 @@ def _soil_metrics(run: Run, settings: MetricSettings) -> dict[str, Value]:
 
 def main_mass(run: Run, settings: MetricSettings) -> np.ndarray:
     """The largest linked mass at the end (soil,)."""
-    return largest_mass(*run.soil_at(-1, "x", "y"), settings.link_length * run.scene.numerics.spacing)
+    x, y = run.soil_at(-1, "x", "y")
+    return largest_mass(x, y, settings.link_length * run.scene.numerics.spacing)
 
 
 def debris_metrics(run: Run, settings: MetricSettings, mass: np.ndarray) -> dict[str, float]:
