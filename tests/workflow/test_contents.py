@@ -15,7 +15,7 @@ import pytest
 import yaml
 from small_scenes import SLOPE
 from test_record_workflow import write_record
-from test_workflow import planned_jobs, snakemake
+from test_workflow import made, planned_jobs, snakemake
 from typer.testing import CliRunner, Result
 
 from sph.command.cli import app
@@ -55,18 +55,13 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     motion = {"kind": "record", "file": AWKWARD, "start": 0.5, "baseline": {"degree": 0}}
     changes: dict[str, Any] = {"motion": motion, "duration": 1.5, "gravity": {"ramp": 0.2, "duration": 0.5}}
     (folder / "scenes" / "slope.yaml").write_text(yaml.safe_dump(SLOPE | changes))
-    made(folder, *write(folder, "0.10", "0.50"))
+    made(folder, *write(folder, "0.10", "0.50"), "--", TABLE, cores=1)
     return folder
 
 
 @pytest.fixture
 def copied(finished: Path, tmp_path: Path) -> Iterator[Path]:
     yield Path(shutil.copytree(finished, tmp_path / "study"))
-
-
-def made(folder: Path, *arguments: str) -> None:
-    result = snakemake(folder, "--cores", "1", *arguments, "--", TABLE)
-    assert result.returncode == 0, result.stderr
 
 
 def explained(folder: Path, monkeypatch: pytest.MonkeyPatch, file: str, *arguments: str) -> Result:
@@ -86,7 +81,7 @@ def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Pat
     assert shown.exit_code == DIFFERS and "motion.data.x" in shown.stdout and "0 of 2 rows agree" in shown.stdout
     config = write(copied, "0.10", "0.30", "0.50")
     assert planned_jobs(copied, *config, "--", TABLE) == again | {"simulate": 3}
-    made(copied, *config)
+    made(copied, *config, "--", TABLE, cores=1)
     peaks = {
         float(np.abs(trajectory.read(copied / RUN.format(S_R))["ground_acceleration"].values).max()) for S_R in ("0.10", "0.30", "0.50")
     }
@@ -135,7 +130,7 @@ def test_a_run_copied_over_another_is_not_measured(copied: Path, monkeypatch: py
     shown = explained(copied, monkeypatch, RUN.format("0.10"))
     assert shown.exit_code == DIFFERS and "coupling.S_R" in shown.stdout
     run.unlink()
-    made(copied, *config)
+    made(copied, *config, "--", TABLE, cores=1)
     assert len(pd.read_csv(copied / TABLE)) == len(before.splitlines()) - 1
 
 
@@ -190,8 +185,7 @@ def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monke
     (copied / "robustness.yaml").write_text(yaml.safe_dump(robustness, sort_keys=False))
     config = write(copied, "0.10", "0.50", experiments={name: f"{name}.yaml" for name in ("assumptions", "robustness")})
     tables = ("results/assumptions/assumptions.csv", "results/robustness/robustness.csv")
-    result = snakemake(copied, "--cores", "1", *config, "--", *tables)
-    assert result.returncode == 0, result.stderr
+    made(copied, *config, "--", *tables, cores=1)
     for table in tables:
         one, *_ = sorted((copied / table).parent.glob("runs/**/*.nc"))
         shown = explained(copied, monkeypatch, str(one.relative_to(copied)))

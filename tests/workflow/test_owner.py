@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from test_workflow import planned_jobs, snakemake
+from test_workflow import made, planned_jobs, snakemake
 
 from sph.scene.schema import Scene
 from sph.study.plan import OWNER, claim_results, load_study
@@ -57,8 +57,7 @@ def test_the_workflow_notes_the_scene_file_and_refuses_another(folder: Path) -> 
     mine, others = (("--configfile", str(folder / name / "study.yaml")) for name in "ab")
     assert planned_jobs(folder, *others)["simulate"] == 1
     assert not note.exists(), "a dry run writes nothing"
-    result = snakemake(folder, "--cores", "1", "results/ground/own/stages/gravity.nc", *mine)
-    assert result.returncode == 0, result.stderr
+    made(folder, "results/ground/own/stages/gravity.nc", *mine, cores=1)
     assert note.read_text() == "a/scene.yaml\n"
     refused = snakemake(folder, "--dry-run", *others)
     assert refused.returncode != 0 and "holds results of the scene a/scene.yaml" in refused.stderr + refused.stdout

@@ -54,6 +54,21 @@ def snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]
     return snakemake_in(folder, *snakemake_command(folder, *arguments)[3:])
 
 
+def made(folder: Path, *arguments: str, cores: int = 2) -> str:
+    """What is told of a run of the workflow that ends well."""
+    result = snakemake(folder, "--cores", f"{cores}", *arguments)
+    assert result.returncode == 0, result.stderr
+    return result.stderr
+
+
+def drawn(folder: Path, *names: str) -> None:
+    """Assert that figures are in a folder, as pictures and for print."""
+    for name in names:
+        picture = folder / f"{name}.png"
+        assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 10_000
+        assert picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+
+
 def planned_jobs(folder: Path, *arguments: str) -> dict[str, int]:
     """Rule and number of jobs of a dry run."""
     result = snakemake(folder, "--dry-run", *arguments)
@@ -82,10 +97,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder
     config = write_config(folder)
     once = {"all": 1, "check": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
     assert planned_jobs(folder, *config) == once | {"stage": 3, "search": 1, "simulate": 8, "figure": 1}
-    result = snakemake(folder, "--cores", "2", *config)
-    assert result.returncode == 0, result.stderr
-    assert result.stderr.count("results/small/draft/report.html: the study on one page") == 1
-    assert result.stderr.count("[few-particles]") == 1 and "[stands-unshaken]" not in result.stderr, "warnings are said once, notes are not"
+    told = made(folder, *config)
+    assert told.count("results/small/draft/report.html: the study on one page") == 1
+    assert told.count("[few-particles]") == 1 and "[stands-unshaken]" not in told, "warnings are said once, notes are not"
     return folder
 
 
@@ -198,11 +212,7 @@ def test_branches_start_from_the_shared_pre_failure_run(finished: Path) -> None:
 
 
 def test_figures_are_drawn(finished: Path) -> None:
-    folder = finished / "results" / "small" / "draft" / "figures"
-    for number in range(1, 8):
-        assert (folder / f"fig{number}.png").read_bytes().startswith(b"\x89PNG")
-        assert (folder / f"fig{number}.png").stat().st_size > 10_000
-        assert (folder / f"fig{number}.pdf").read_bytes().startswith(b"%PDF")
+    drawn(finished / "results" / "small" / "draft" / "figures", *(f"fig{number}" for number in range(1, 8)))
 
 
 def test_the_page_holds_the_study(finished: Path) -> None:
@@ -241,8 +251,7 @@ def test_short_runs_share_a_job_and_each_is_made_by_itself(finished: Path, copie
         f"results/small/draft/runs/S_R-0.30_gamma-{gamma}_amplitude-{amplitude}.nc" for gamma in (1, 100) for amplitude in ("0.1", "8.0")
     ]
     assert planned_jobs(copied, *arguments, "--", RUN, *files)["simulate"] == 5
-    result = snakemake(copied, "--cores", "1", *arguments, "--", RUN, *files)
-    assert result.returncode == 0, result.stderr
+    made(copied, *arguments, "--", RUN, *files, cores=1)
     same_files(copied / RUN, finished / RUN)
     assert {path: path.stat().st_mtime_ns for path in before} == before
     logs = [read_log(copied / file.replace("/runs/", "/logs/").replace(".nc", ".log")) for file in (RUN, *files)]
@@ -307,18 +316,6 @@ def test_the_status_counts_what_the_workflow_makes(finished: Path, copied: Path)
     assert "0 of 8 done, 7 outdated, 1 waiting" in sph(*asked)
 
 
-def test_a_branched_run_is_repeated_from_the_start(finished: Path, tmp_path: Path) -> None:
-    """Bit for bit, without the stages it went on from."""
-    assert f"every variable is identical to that of {finished / RUN}" in sph("run", finished / RUN, "--out", tmp_path / "again.nc")
-    for group in (trajectory.read, trajectory.read_restart):
-        same_variables(group(tmp_path / "again.nc").dataset(), group(finished / RUN).dataset())
-    one, other = (json.loads(said("metrics", path, "--json")) for path in (tmp_path / "again.nc", finished / RUN))
-    assert {name: value for name, value in one.items() if name not in TIMINGS} == {
-        name: value for name, value in other.items() if name not in TIMINGS
-    }
-    assert one["displacement_magnitude"] > 0.05, "it slid"
-
-
 # ---------------------------------------------------------------- faults
 
 
@@ -330,11 +327,11 @@ def copied(finished: Path, tmp_path: Path) -> Path:
 
 @pytest.mark.long
 def test_what_another_target_has_made_comes_onto_the_page(copied: Path) -> None:
-    made = copied / "results" / "small" / "draft" / "sensitivity" / "morris.csv"
-    made.parent.mkdir()
-    made.write_text("parameter,share\ncohesion,0.5\n")
+    table = copied / "results" / "small" / "draft" / "sensitivity" / "morris.csv"
+    table.parent.mkdir()
+    table.write_text("parameter,share\ncohesion,0.5\n")
     assert planned_jobs(copied, *write_config(copied)) == {"all": 1, "page": 1}
-    assert snakemake(copied, "--cores", "1", *write_config(copied)).returncode == 0
+    made(copied, *write_config(copied), cores=1)
     page = (copied / "results" / "small" / "draft" / "report.html").read_text(encoding="utf-8")
     assert "snakemake --cores 2 sensitivity" not in page and "cohesion" in page
     assert planned_jobs(copied, *write_config(copied)) == {}
@@ -411,6 +408,5 @@ def test_results_from_the_future(finished: Path, copied: Path) -> None:
     """A clock that was wrong: inputs newer than now are worked up once, and to the same result."""
     stage = copied / "results" / "small" / "draft" / "stages" / "pre_failure_amplitude-8.0.nc"
     os.utime(stage, (2**33, 2**33))
-    result = snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN)
-    assert result.returncode == 0, result.stderr
+    made(copied, *write_config(copied), "--", RUN, cores=1)
     same_files(copied / RUN, finished / RUN)
