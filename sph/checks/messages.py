@@ -411,8 +411,13 @@ MESSAGES: dict[str, Message] = {
         lambda of: (
             "{reversed:.3g} m instead of {as_recorded:.3g} m"
             + (" for a block with a yield acceleration of {yield_ratio:g} PGA" if "yield_ratio" in of else "")
+            + (" for a block with the yield acceleration of the slope, {strength:m/s2}" if "strength" in of else "")
         ),
-        "the larger of the two directions",
+        lambda of: (
+            'to be run in both directions, motion.factor: ["1", "-1"] in the grid'
+            if "strength" in of
+            else "the larger of the two directions"
+        ),
         meaning="with its polarity reversed the record drives a sliding block further",
     ),
     "pga-implausible": warning(

@@ -37,6 +37,8 @@ LASTING, MIN_LASTING = 0.5, 0.1
 POLARITY_RATIO, POLARITY = 0.5, 1.2
 """Yield over peak acceleration of a sliding block, and its displacement under the record turned round over that under the record as it
 is, from which on the direction of a record matters."""
+MIN_SLIP = 1e-3
+"""Displacement of a block below which it does not matter, m: the least slip at which soil begins to lose strength (``sph new``)."""
 
 LOWEST, HIGHEST = 0.25, 20.0
 """Frequencies between which a motion has its mean period, Hz."""
@@ -186,9 +188,30 @@ def drifting(motion: GroundMotion, *keys: str) -> list[Finding]:
 def one_sided(motion: GroundMotion, *keys: str) -> list[Finding]:
     """A note if the reversed record drives a sliding block further."""
     strength = POLARITY_RATIO * motion.peak
-    if not strength > 0:
-        return []
-    as_it_is, turned = (sliding_block(motion.time, sign * motion.acceleration, strength).permanent for sign in (1.0, -1.0))
+    as_it_is, turned = _both_ways(motion, strength) if strength > 0.0 else (0.0, 0.0)
     if turned <= POLARITY * as_it_is:
         return []
     return [finding("record-polarity", *keys, reversed=turned, as_recorded=as_it_is, yield_ratio=POLARITY_RATIO)]
+
+
+def _both_ways(motion: GroundMotion, strength: float) -> tuple[float, float]:
+    """Displacement (m) of a block with a yield acceleration (m/s2) under a motion as it is and reversed."""
+    as_it_is, turned = (sliding_block(motion.time, sign * motion.acceleration, strength).permanent for sign in (1.0, -1.0))
+    return as_it_is, turned
+
+
+def other_direction(scenes: Mapping[str, Scene], strength: float) -> dict[str, Finding]:
+    """A warning for each scene, by name, whose record would drive a block with a yield acceleration (m/s2) further if it were reversed,
+    unless one of the scenes has it so."""
+    records = {name: processed(scene.motion) for name, scene in scenes.items() if isinstance(scene.motion, Record)}
+    motions = {name: GroundMotion(made.time, made.horizontal) for name, made in records.items()}
+    there = {(motion.acceleration + 0.0).tobytes() for motion in motions.values()}  # without a negative 0
+    found: dict[str, Finding] = {}
+    for name, motion in motions.items():
+        if strength <= 0.0 or motion.peak <= strength or (0.0 - motion.acceleration).tobytes() in there:
+            continue
+        as_it_is, turned = _both_ways(motion, strength)
+        if turned > max(POLARITY * as_it_is, MIN_SLIP):
+            told = {"as_recorded": as_it_is, "reversed": turned, "strength": strength}
+            found[name] = finding("record-polarity", "motion.factor", subject="", value=as_it_is, bound=turned, **told)
+    return found

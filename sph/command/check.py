@@ -13,7 +13,7 @@ from sph.checks.finding import Finding, called
 from sph.checks.layers import Layer, layers_of, needed_rows, seam_rows
 from sph.checks.liquefaction import of_liquefaction
 from sph.checks.messages import factor_words, line, record, yield_words
-from sph.checks.motion import frequency_rows, peak_accelerations
+from sph.checks.motion import frequency_rows, other_direction, peak_accelerations
 from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.checks.stability import stability
 from sph.command.given import earlier_run, is_study, read_given
@@ -24,14 +24,16 @@ from sph.command.watch import Shown, svg, watch
 from sph.measures.metrics import MetricSettings
 from sph.measures.places import PlaceAt, check_places
 from sph.output.run import Run
-from sph.scene.configuration import found_file, merge, read_yaml, validated
+from sph.scene.configuration import dotted, found_file, merge, read_yaml, validated
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.stability.slip_search import LimitEquilibrium
 from sph.study.cost import ON_REFERENCE, cost
+from sph.study.dimensions import scene_key, value_of
 from sph.study.machine import duration
+from sph.study.plan import Plan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,7 +42,9 @@ if TYPE_CHECKING:
 LIBRARY = Path(sph.__file__).parents[1]
 """Where the scenes of the repository are."""
 Variants = dict[str, dict[str, list[Finding]]]
-"""Findings by section of a study, and by the name of a fidelity or an alternative in it."""
+"""Findings by section of a study, and by the name of a fidelity, an alternative or a motion in it."""
+MAX_MOTIONS = 20
+"""Most motions of a study that are told."""
 
 
 class Check(NamedTuple):
@@ -65,12 +69,12 @@ def answer(
     watching: bool = False,
 ) -> str | None:
     """The summary and the findings of the scene in a file, with changes, and of the fidelities and alternatives of a study; its picture,
-    with the places of the study, where asked for.  A study alone names its scene.
+    with the places and alternatives of the study, where asked for.  A study alone names its scene, and the motions that shake it.
 
     With a magnitude also whether such an earthquake liquefies or softens its layers.  None where section and findings were shown in the
     browser, and again whenever a file was saved, until the command was interrupted.
     """
-    path, study = scene_and_study(given, study)
+    path, study, plan = scene_and_study(given, study)
     if watching:
         others_asked = (("--plot", plot), ("--stability", static), ("--magnitude", magnitude), ("--json", as_json))
         asked = [name for name, value in others_asked if value]
@@ -79,61 +83,104 @@ def answer(
         watch(path, partial(shown, path, changes, study), say)
         return None
     earlier = earlier_run(path)
+    shaken = {} if plan is None else {name: [merge(keys, changes) for keys in each] for name, each in motions_of(plan).items()}
+    if shaken:
+        changes = next(iter(shaken.values()))[-1]
     scene, inputs = read_given(path, changes, earlier)
     if plot is not None:
         check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
-    places = {} if study is None else places_of(study, scene)
-    checked = check(scene)
+    if study is not None:
+        places_of(study, scene)  # refused where they cannot be, drawn or not
+    checked, variants = check(scene), in_variants(path, changes, study)
     if plot is not None:
         from sph.figures.style import save
 
-        save(draw(checked, places, None if earlier is None or changes else Run(earlier, scene)), plot)
-    others = in_variants(path, changes, study, checked.findings)
+        run = None if earlier is None or changes else Run(earlier, scene)
+        alternatives = variants["alternatives"]
+        save(draw([checked, *alternatives.values()], study, run, ["", *alternatives]), plot)
+    motions = {name: [read_given(path, keys)[0] for keys in each] for name, each in shaken.items()} or {"": [scene]}
+    others = further(variants, checked.findings)
+    if shaken:
+        others["motions"] = in_motions(motions, checked)
     liquefied = [] if magnitude is None else of_liquefaction(scene, checked.particles, magnitude)
-    facts, layers, told = rows(checked), layer_rows(checked), (stability(scene) if static else []) + liquefied + checked.findings
+    facts, layers = rows(checked, motions), layer_rows(checked)
+    told = (stability(scene) if static else []) + liquefied + checked.findings
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        variants = {section: {name: [record(each) for each in of] for name, of in by_name.items()} for section, by_name in others.items()}
+        by_section = {section: {name: [record(each) for each in of] for name, of in by_name.items()} for section, by_name in others.items()}
         findings = [record(each) for each in told]
-        return to_json({"rows": dict(facts), "layers": named, "findings": findings, **variants}, indent=1)
+        return to_json({"rows": dict(facts), "layers": named, "findings": findings, **by_section}, indent=1)
     return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told), *other_lines(others)])
 
 
-def scene_and_study(given: Path | None, study: Path | None) -> tuple[Path, Path | None]:
-    """The file of a scene and that of the study, if there is one; ValueError where neither is given, and where no scene is found."""
+def scene_and_study(given: Path | None, study: Path | None) -> tuple[Path, Path | None, Plan | None]:
+    """The file of a scene, that of the study, if there is one, and the study where it names the scene; ValueError where neither is given,
+    and where no scene is found."""
     if given is not None and study is None and is_study(given):
         given, study = None, given
     if given is not None:
-        return given, study
+        return given, study, None
     if study is None:
         raise ValueError("SCENE: is missing; give a scene, or a study, which names its scene")
     catalogue = find_study(study)
-    return found_file([catalogue.base, LIBRARY], catalogue.plan.study.scene, f"{study}: scene"), study
+    return found_file([catalogue.base, LIBRARY], catalogue.plan.study.scene, f"{study}: scene"), study, catalogue.plan
 
 
-def in_variants(path: Path, changes: Mapping[str, Any], study: Path | None, known: Sequence[Finding]) -> Variants:
-    """Errors and warnings of the fidelities that a study runs, and of its alternatives, besides what is ``known`` of the scene as it is;
-    ValueError for one that is refused."""
+def motions_of(plan: Plan) -> dict[str, list[dict[str, Any]]]:
+    """The scene keys of the motions of a study's runs, by all in which these differ but the amplitude: with the least and the largest."""
+    shaking = [each for each in plan.dimensions if scene_key(each.name).startswith("motion.")]
+    found: dict[str, dict[float, dict[str, Any]]] = {}
+    for point in plan.study.runs.values():
+        levels = [float(point[each.name]) for each in shaking if scene_key(each.name) == "motion.amplitude" and point[each.name] != "null"]
+        name = ", ".join(each.said(point[each.name]) for each in shaking if scene_key(each.name) != "motion.amplitude")
+        keys = dotted({scene_key(each.name): value_of(point[each.name]) for each in shaking})
+        found.setdefault(name, {})[levels[0] if levels else 0.0] = keys
+    return {name: [each[level] for level in sorted({min(each), max(each)})] for name, each in list(found.items())[:MAX_MOTIONS]}
+
+
+def in_motions(motions: Mapping[str, Sequence[Scene]], checked: Check) -> dict[str, list[Finding]]:
+    """Errors and warnings of the motions of a study, each at its largest amplitude, besides those of the scene that is ``checked``."""
+    strongest = {name: scenes[-1] for name, scenes in motions.items()}
+    critical = 0.0 if checked.equilibrium is None else equilibrium_numbers(checked.equilibrium).get("critical", 0.0)
+    turned = other_direction(strongest, critical)
+    told = {
+        name: [*([turned[name]] if name in turned else []), *new_findings(findings(scene, checked.particles), checked.findings)]
+        for name, scene in strongest.items()
+    }
+    return {name or "motion": each for name, each in told.items() if name or each}
+
+
+def in_variants(path: Path, changes: Mapping[str, Any], study: Path | None) -> dict[str, dict[str, Check]]:
+    """The fidelities that a study runs, and its alternatives, by section and name; ValueError for one that is refused."""
     written = {} if study is None else read_yaml(study)
-    others: Variants = {}
+    checks: dict[str, dict[str, Check]] = {}
     for section in ("fidelities", "alternatives"):
         keys = written.get(section) or {}
         if not isinstance(keys, Mapping) or not all(isinstance(each, Mapping) for each in keys.values()):
             raise ValueError(f"{study}: {section}: must be a section with a section of scene keys for each")
         run = keys if section == "alternatives" else (written.get("fidelity"), written.get("second_fidelity"))
-        others[section] = {}
+        checks[section] = {}
         for name in (name for name in keys if name in run and keys[name]):
             try:
-                of = check(read_given(path, merge(changes, keys[name]))[0]).findings
+                checks[section][name] = check(read_given(path, merge(changes, keys[name]))[0])
             except ValueError as error:
                 raise ValueError(f"{study}: {section}.{name}: {error}") from error
-            others[section][name] = [each for each in of if each.counts and each not in known]
-    return others
+    return checks
+
+
+def new_findings(told: Sequence[Finding], known: Sequence[Finding]) -> list[Finding]:
+    """Errors and warnings besides those that are known."""
+    return [each for each in told if each.counts and each not in known]
+
+
+def further(variants: Mapping[str, Mapping[str, Check]], known: Sequence[Finding]) -> Variants:
+    """Errors and warnings of variants of a scene, besides what is ``known`` of the scene as it is."""
+    return {section: {name: new_findings(each.findings, known) for name, each in of.items()} for section, of in variants.items()}
 
 
 def other_lines(others: Variants) -> list[str]:
     """A line for each finding in a fidelity and in an alternative, and for one without more."""
-    named = {f"fidelity {name}": told for name, told in others["fidelities"].items()} | others["alternatives"]
+    named = {f"fidelity {name}": told for name, told in others["fidelities"].items()} | others["alternatives"] | others.get("motions", {})
     return [f"{name}: {said}" for name, told in named.items() for said in (list(map(line, told)) or ["no further warnings"])]
 
 
@@ -146,8 +193,9 @@ def shown(path: Path, changes: Mapping[str, Any], study: Path | None) -> Shown:
     """Section, findings and summary of the scene in a file for the browser."""
     scene, inputs = read_given(path, changes)
     checked = check(scene)
-    figure = draw(checked, {} if study is None else places_of(study, scene))
-    others = in_variants(path, changes, study, checked.findings)
+    variants = in_variants(path, changes, study)
+    figure = draw([checked, *variants["alternatives"].values()], study, names=["", *variants["alternatives"]])
+    others = further(variants, checked.findings)
     text = "\n".join([*told_lines(checked.findings), *other_lines(others), "", aligned(rows(checked))])
     return Shown(svg(lambda file: figure.savefig(file, format="svg")), text, [*inputs, *([] if study is None else [str(study)])])
 
@@ -168,8 +216,9 @@ def check(scene: Scene) -> Check:
     return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), equilibrium, told)
 
 
-def rows(checked: Check) -> list[tuple[str, str]]:
-    """Pairs of label and text: the slope, sizes and cost."""
+def rows(checked: Check, motions: Mapping[str, Sequence[Scene]] | None = None) -> list[tuple[str, str]]:
+    """Pairs of label and text: the slope, sizes, cost and the motion; or the ``motions`` of a study, each with the scenes of its least and
+    its largest amplitude."""
     scene, particles = checked.scene, checked.particles
     n, soil, geometry = particles.x.size, particles.n_soil, scene.geometry
     expected = cost(scene)
@@ -197,8 +246,6 @@ def rows(checked: Check) -> list[tuple[str, str]]:
         )
         for each in needed_rows(scene, particles)
     ]
-    frequency = highest_frequency(scene)
-    shaking = f"{scene.motion.kind}, 95 % of its energy below {frequency:.3g} Hz" if frequency else f"{scene.motion.kind}, no waves"
     return [
         *lines,
         ("particles", f"{n:,} ({soil:,} soil, {n - soil:,} of the box), spacing {scene.numerics.spacing:g} m"),
@@ -206,12 +253,19 @@ def rows(checked: Check) -> list[tuple[str, str]]:
         *uncertain_rows(scene, particles),
         *water_rows(scene),
         *frequency_rows(scene),
-        ("motion", shaking),
-        ("PGA", peak_accelerations(scene)),
+        *(row for name, scenes in (motions or {"": [scene]}).items() for row in motion_rows(scenes, f" of {name}" if name else "")),
         ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),
         ("computing time", f"{expected.seconds:,.3g} s {ON_REFERENCE}, if the soil fails"),
         ("memory and disk", f"{expected.memory:,.0f} MiB while it runs, {expected.disk:,.1f} MiB for its trajectory"),
     ]
+
+
+def motion_rows(scenes: Sequence[Scene], of: str) -> list[tuple[str, str]]:
+    """Label, with what the motion is ``of``, and text of a motion at its least and its largest amplitude."""
+    strongest = scenes[-1]
+    frequency = highest_frequency(strongest)
+    shaking = f"{strongest.motion.kind}, 95 % of its energy below {frequency:.3g} Hz" if frequency else f"{strongest.motion.kind}, no waves"
+    return [(f"motion{of}", shaking), (f"PGA{of}", " to ".join(map(peak_accelerations, scenes)))]
 
 
 def equilibrium_rows(equilibrium: LimitEquilibrium | None) -> list[tuple[str, str]]:
@@ -248,9 +302,15 @@ def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:
     return places
 
 
-def draw(checked: Check, places: Mapping[str, PlaceAt] | None = None, run: Run | None = None) -> Figure:
-    """The scene as a figure, with its critical slip surfaces, the places of a study and the soil that fails in a run of it; the drawing
-    library, which needs a folder to write in, is imported here only."""
-    from sph.figures.scene import figure_scene
+def draw(checked: Sequence[Check], study: Path | None = None, run: Run | None = None, names: Sequence[str] = ("",)) -> Figure:
+    """Scenes as a figure, a section each by their ``names``, with their critical slip surfaces, the places of a study and the soil that
+    fails in a run of the first; the drawing library, which needs a folder to write in, is imported here only."""
+    from sph.figures.scene import Drawn, figure_scenes
 
-    return figure_scene(checked.scene, checked.particles, checked.probes, places, checked.equilibrium, run)
+    return figure_scenes(
+        [
+            Drawn(each.scene, each.particles, each.probes, {} if study is None else places_of(study, each.scene), each.equilibrium, name)
+            for each, name in zip(checked, names, strict=True)
+        ],
+        run,
+    )

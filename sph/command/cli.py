@@ -121,8 +121,8 @@ def new(
         list[str] | None,
         typer.Option(
             metavar="KEY=VALUE,...",
-            help="soil of the slope or of its cover: unit_weight (kN/m3), cohesion and residual_cohesion (kPa), friction_angle and "
-            "residual_friction_angle (degree), shear_wave_speed (m/s), poisson_ratio",
+            help="soil of the slope or of its cover: unit_weight (kN/m3), peak strength by cohesion (kPa) and friction_angle (degree), "
+            "that of failed soil by both residual_cohesion (0 is usual) and residual_friction_angle, shear_wave_speed (m/s), poisson_ratio",
         ),
     ] = None,
     water: Annotated[

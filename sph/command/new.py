@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 
 import sph
 from sph.checks.cover_rows import covers, enough_rows
-from sph.checks.layers import of_cover
+from sph.checks.layers import MIN_IN_LAYER, of_cover
 from sph.checks.messages import sentence
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, room_ahead, to_side
 from sph.command.options import parse_acceleration, parse_numbers, parse_treatment, parse_values
@@ -62,6 +62,11 @@ FROM_TESTS = ("density", "cohesion", "friction_angle", "residual_cohesion", "res
 """Those without which the soil is not the user's."""
 UNIT_WEIGHT = "unit_weight"
 """What is typed in place of the density, kN/m3."""
+EXAMPLES = {
+    "--soil": "as unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,residual_friction_angle=20",
+    "--alternative": "as drained=4,berm=3: the depth of the lowered water table and the height of the berm, m",
+}
+"""What options with names and numbers are to look like."""
 PLACEHOLDERS = {"shear_wave_speed" if name == "s_wave_speed" else name: value for name, value in PLACEHOLDER_SOIL.items()}
 RESIDUAL = "residual_"
 """Beginning of the keys that a layer has only where the soil has them."""
@@ -89,9 +94,10 @@ WIDTH = 0.22
 """Over which failure begins, over the slope's height: three spacings even for a first look."""
 DEPTH, BEHIND, AHEAD = 0.4, 3.0, 2.0
 """Soil below the lowest ground, level ground behind the crest of a plain slope and at least before its toe, over the slope's height."""
-START, AFTER = 3.0, 4.0
+START, AFTER = 3.0, 5.0
 """Beginning of the record, after the gravity stage, s, and what is simulated after its end, in s over the root of the slope's height in m:
-the debris of a slope 25 m high may need 20 s."""
+a point that slides from the crest of a slope of 15° to rest needs 4.8 with a friction angle of 12°, on 30° with 18° 2.3.  A run ends
+sooner where all soil has come to rest."""
 LOWERED, BERM = 0.3, 0.2
 """Depth of the water of an unknown line once drained, and height of a berm, that are suggested, over the slope's height."""
 GENTLEST, STEEPEST = 5.0, 80.0
@@ -120,7 +126,8 @@ soil: # density with its water; strength at the peak and, as residual, of failed
 {soil}
   dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay  ASSUMED
   viscosity: 2.0 # Pa s, of debris above its yield stress; has little effect
-  # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure soil is
+  # K0: {jaky:.2f} # horizontal over vertical effective stress at rest, 1 - sin(phi) in soil that has never borne more (Jaky 1944).
+  # Left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure soil is: try both
 {layers}{water}coupling:
   S_R: {ratio}
   # From a shear test (docs/how-to/shear-tests.md), m: slip at the end of the peak and where the residual strength is reached
@@ -241,23 +248,30 @@ def new(
     folder: Path,
 ) -> str:
     """Write what is asked for on the command line; the files, what was assumed, and what to do next.  ValueError names the option."""
-    if (ground is None) == (slope is None):
-        raise ValueError("GROUND: give the file of a ground line, or --slope HEIGHT,ANGLE, and not both")
-    plain = parse_numbers(slope, "--slope") or ()
-    if slope is not None and len(plain) != 2:
-        raise ValueError(f"--slope {slope!r}: write a height (m) and an angle (degree), as 28,32")
+    wrong = [] if (ground is None) != (slope is None) else ["GROUND: give the file of a ground line, or --slope HEIGHT,ANGLE, and not both"]
+
+    def read(parse: Callable[..., Any], *given: Any) -> Any:
+        """What was typed; None where it is refused, which is told with all else that is."""
+        try:
+            return parse(*given)
+        except ValueError as error:
+            wrong.append(str(error))
+            return None
+
     known = Known(
-        (plain[0], plain[1]) if ground is None else ground,
+        ground or (read(_plain, slope) if slope is not None else None) or Path(),
         records,
         component,
-        parse_treatment(unit, None, None).get("unit"),
-        None if scale_to is None else _peak(scale_to),
+        (read(parse_treatment, unit, None, None) or {}).get("unit"),
+        None if scale_to is None else read(_peak, scale_to),
         cover,
-        _numbers(soil, "--soil"),
+        read(_numbers, soil, "--soil") or {},
         None if water is None else _depth(water),
-        parse_values(place, "--place"),
-        _numbers(alternative, "--alternative"),
+        read(parse_values, place, "--place") or {},
+        read(_numbers, alternative, "--alternative") or {},
     )
+    if wrong:
+        _refuse([*wrong, *_refused(known)])
     scene, study, assumed = write_new(known, folder)
     say(*(cover_words(scene) if cover is not None else ()))
     next_ = f"next: sph check {shlex.quote(str(study))} --plot scene.png"
@@ -270,11 +284,22 @@ def _peak(text: str) -> str:
     return text.replace(" ", "") if text.endswith("g") else f"{value:.4g}m/s2"
 
 
+def _plain(text: str) -> tuple[float, float]:
+    """Height (m) and angle (degree) of a plain slope."""
+    plain = parse_numbers(text, "--slope") or ()
+    if len(plain) != 2:
+        raise ValueError(f"--slope {text!r}: write a height (m) and an angle (degree), as 28,32")
+    return plain[0], plain[1]
+
+
 def _numbers(texts: list[str] | None, option: str) -> dict[str, float]:
-    values = parse_values(texts, option)
+    try:
+        values = parse_values(texts, option)
+    except ValueError as error:
+        raise ValueError(f"{error}: {EXAMPLES[option]}") from error
     for name, value in values.items():
         if isinstance(value, str) or not math.isfinite(value):
-            raise ValueError(f"{option} {name}={value}: must be a number")
+            raise ValueError(f"{option} {name}={value}: must be a number; {EXAMPLES[option]}")
     return {name: float(value) for name, value in values.items()}
 
 
@@ -301,7 +326,7 @@ def write_new(known: Known, folder: Path) -> Written:
     for path in (*given, folder.absolute()):
         if not str(path).isprintable():
             raise ValueError(f"{str(path)!r}: holds a character that cannot be printed, which a scene file cannot hold; rename it")
-    _check(known)
+    _refuse(_refused(known))
     new, made = [path for path in files if not path.exists()], [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -315,41 +340,72 @@ def write_new(known: Known, folder: Path) -> Written:
         raise
 
 
-def _check(known: Known) -> None:
-    """ValueError, by option, for what can be refused before any file is read."""
+def _refuse(wrong: Iterable[str]) -> None:
+    """ValueError with all that is wrong, a line each, if there is anything."""
+    if told := "\n".join(wrong):
+        raise ValueError(told)
+
+
+def _refused(known: Known) -> Iterator[str]:
+    """What is refused before anything is drawn, by option."""
     if not known.records:
-        raise ValueError("--record: is missing; give the file of a ground motion, or of several, each with --record")
+        yield "--record: is missing; give the file of a ground motion, or of several, each with --record"
     if not isinstance(known.ground, Path):
         height, angle = known.ground
-        if not (0.0 < height < math.inf and GENTLEST <= angle <= STEEPEST):
-            raise ValueError(
-                f"--slope {height:g},{angle:g}: must be a height above 0 m and an angle from {GENTLEST:g} to {STEEPEST:g} degree, as 28,32"
-            )
-    check_known("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:]))
+        if 0.0 < height < math.inf and GENTLEST <= angle <= STEEPEST:
+            yield from _too_high(known, height)
+        else:
+            allowed = f"a height above 0 m and an angle from {GENTLEST:g} to {STEEPEST:g} degree"
+            yield f"--slope {height:g},{angle:g}: must be {allowed}, as 28,32"
+    for option, names, allowed in (
+        ("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:])),
+        ("--alternative", known.alternatives, ("drained", "berm")),
+    ):
+        try:
+            check_known(option, names, allowed)
+        except ValueError as error:
+            yield str(error)
     residual = [key for key in known.soil if key.startswith(RESIDUAL)]
     if len(residual) == 1:
-        raise ValueError(
-            f"--soil {residual[0]}: give residual_cohesion and residual_friction_angle, or neither: then S_R times the peak is varied"
+        yield (
+            f"--soil {residual[0]}: give residual_cohesion (0 is usual) and residual_friction_angle, or neither: then S_R times the peak "
+            "is varied"
         )
     if not 10.0 <= known.soil.get(UNIT_WEIGHT, 20.0) <= 30.0:
-        raise ValueError(f"--soil {UNIT_WEIGHT}={known.soil[UNIT_WEIGHT]:g}: must be from 10 to 30 kN/m3, with its water")
-    check_known("--alternative", known.alternatives, ("drained", "berm"))
+        yield f"--soil {UNIT_WEIGHT}={known.soil[UNIT_WEIGHT]:g}: must be from 10 to 30 kN/m3, with its water"
     lowered = known.alternatives.get("drained")
-    if lowered is not None and known.water is None:
-        raise ValueError(f"--alternative drained={lowered:g}: there is no water to drain; give --water")
     wet = known.water if isinstance(known.water, float) else 0.0
     if not 0.0 <= wet < math.inf:
-        raise ValueError(f"--water {wet:g}: must be a depth below the ground, 0 m or more, or the file of a line")
-    if lowered is not None and not wet < lowered < math.inf:
-        raise ValueError(f"--alternative drained={lowered:g}: must be deeper below the ground than --water, {wet:g} m")
-    for record in known.records if len(known.records) > 1 else ():
+        yield f"--water {wet:g}: must be a depth below the ground, 0 m or more, or the file of a line"
+    if lowered is not None and known.water is None:
+        yield f"--alternative drained={lowered:g}: there is no water to drain; give --water"
+    elif lowered is not None and not wet < lowered < math.inf:
+        yield (
+            f"--alternative drained={lowered:g}: must be deeper below the ground than --water, {wet:g} m; it is the depth of the lowered "
+            "water table"
+        )
+    for record in known.records:
         try:
-            TypeAdapter(Value).validate_python(str(record))
-        except ValidationError as error:
-            raise ValueError(
+            if len(known.records) > 1:
+                TypeAdapter(Value).validate_python(str(record))
+            read_record(record, known.unit, known.component)
+        except ValidationError:
+            yield (
                 f"--record {record}: several records are named as seen from this folder, by letters, digits and . _ + - /, none in a "
                 "folder above; copy or rename it"
-            ) from error
+            )
+        except (ValueError, OSError) as error:
+            yield f"--record {error}"
+
+
+def _too_high(known: Known, height: float) -> Iterator[str]:
+    """A cover and a berm that do not fit a slope of a height (m)."""
+    for option, value, hint in (
+        ("--cover ", known.cover, "leave it out without one"),
+        ("--alternative berm=", known.alternatives.get("berm"), "it is the berm's height"),
+    ):
+        if value is not None and not 0.0 < value < height:
+            yield f"{option}{value:g}: must be above 0 and less than the height of the slope, {height:.4g} m; {hint}"
 
 
 class _Section(NamedTuple):
@@ -417,15 +473,10 @@ def _section(known: Known, folder: Path, ahead: float = 0.0) -> _Section:
         file, points = folder / "ground.csv", plain_slope(height, angle, BEHIND * height, 5.0 * math.ceil(ahead / 5.0))
     line, cover, wet, asked = _ground(points, file, known.cover or 0.0), known.cover, known.water, known.alternatives
     height = line.slope_height
-    if cover is not None and not 0.0 < cover < height:
-        raise ValueError(
-            f"--cover {cover:g}: must be above 0 and less than the height of the slope, {height:.4g} m; leave it out without one"
-        )
+    _refuse(_too_high(known, height))
     lowered, high = asked.get("drained"), asked.get("berm", BERM * height)
     if lowered is None and wet is not None:
         lowered = max(cover or 0.0, 2.0 * wet, wet + 1.0) if isinstance(wet, float) else LOWERED * height
-    if not 0.0 < high < height:
-        raise ValueError(f"--alternative berm={high:g}: must be above 0 and less than the height of the slope, {height:.4g} m")
     filled = None
     try:
         filled = berm(line, high)
@@ -459,6 +510,7 @@ def _grid(known: Known, peak: float) -> Iterator[str]:
         yield f'amplitude: [{values}] # m/s2: half of the record\'s peak, the peak, and 1.5 times that; add your design peak, e.g. "0.4g"'
     if len(known.records) > 1:
         yield f"motion.file: [{', '.join(quoted(str(record)) for record in known.records)}] # as seen from here"
+    yield '# motion.factor: ["1", "-1"] # each record in both directions, which doubles the runs; sph check says where it matters'
     if not known.has_residual:
         yield f"S_R: [{', '.join(map(quoted, RATIOS))}] # ASSUMED; for one layer write layers.NAME.S_R, or give residual strengths instead"
 
@@ -468,6 +520,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     line, soil, own, water = section.line, known.whole_soil, known.own_soil, known.water
     units = {key: scene_keys()[f"soil.{key}"].replace("-", "") for key in soil}
     width, rest = _digits(WIDTH * section.height, 2), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
+    jaky = 1.0 - math.sin(math.radians(soil["friction_angle"]))
     missing = [f"{key}: {value:g} {units[key]}".strip() for key, value in soil.items() if key not in own]
     assumed = [f"soil: {', '.join(missing)}"] if missing else []
     ratio, layers, carried = "1.0 # not felt: all soils have residual strengths", LAYERS_TEXT, ""
@@ -475,12 +528,13 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         ratio = "0.5 # residual over peak strength, from a shear box or ring shear test  ASSUMED"
         assumed.append(f"residual strength: {', '.join(RATIOS)} of the peak (S_R)")
     assumed.append(f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide (coupling.softening)")
-    assumed.append(f"K0 {rest:.2f} by Poisson's ratio, no dilation, damping 3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz")
+    assumed.append(f"K0 {rest:.2f} by Poisson's ratio, where 1 - sin(phi) is {jaky:.2f} (soil.K0)")
+    assumed.append(f"no dilation, damping 3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz")
     if known.cover is not None:
         rock = _flow(known.of_layer(ROCK))
         layers = COVER_TEXT.format(cover=known.cover, soil=rock)
         assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too")
-    assumed.append("each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded")
+    assumed.append("each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded (motion.factor)")
     if known.peak is None:
         times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
         assumed.append(f"peak acceleration as recorded{times} (--scale-to)")
@@ -491,7 +545,14 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         follows = "" if isinstance(water, Path) else "; the water table follows the ground"
         assumed.append(f"moving soil keeps its pore pressure, as silt and clay (water.pressure: carried){follows}")
     if "berm" in known.alternatives and section.berm is not None:
+        high = [section.berm_height / of_rows[name] for name in ("spacing", "coarse")]
+        few = (
+            f"; with fewer than {MIN_IN_LAYER} its effect is uncertain (thin-layer): take a finer spacing"
+            if high[-1] < MIN_IN_LAYER
+            else ""
+        )
         assumed.append(f"berm of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}")
+        assumed.append(f"berm: {high[0]:.2g} rows of particles high, {high[1]:.2g} at the fidelity coarse, its ends thinner{few}")
     if isinstance(known.ground, Path):
         title = f"Slope of {known.ground.name[:MAX_TITLE]}"
     else:
@@ -514,6 +575,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
         "soil": "\n".join(f"  {key}: {value:.10g} # {units[key]}{'' if key in own else '  ASSUMED'}" for key, value in soil.items()),
         "rest": rest,
+        "jaky": jaky,
         "layers": layers,
         "water": carried,
         "ratio": ratio,

@@ -75,10 +75,7 @@ def run(
         )
     made = Run(result.stored, scene)
     if made.time_step_ratio > 1.0:
-        say(
-            f"numerics.time_step was {made.time_step_ratio:.2f} times the stability limit measured during the run; "
-            "choose a smaller step, or let it adapt (numerics.adaptive_step={})"
-        )
+        say(above_limit(made))
     if result.status not in (Status.DIVERGED, Status.PAUSED):
         say(*(line(each) for each in found_after(made)))
     if earlier is not None and repeats:
@@ -87,6 +84,20 @@ def run(
     speed = made.attrs["particle_steps_per_second"] / 1e6
     text = f"{out}: {result.status}{reason}, {made.attrs['wall_time_s']:.1f} s, {speed:.2f} M particle-steps/s"
     return text, DIVERGED if result.status == Status.DIVERGED else 0
+
+
+def above_limit(run: Run) -> str:
+    """That the time step exceeded its limit as measured during a run; a step that adapts does so at the next frame only."""
+    ratio, adaptive = run.time_step_ratio, run.scene.numerics.adaptive_step
+    if adaptive is None:
+        remedy = "choose a smaller step, or let it adapt (numerics.adaptive_step={})"
+        return f"numerics.time_step was {ratio:.2f} times the stability limit measured during the run; {remedy}"
+    frames = int(np.count_nonzero(run["time_step"] > run["time_step_limit"]))
+    return (
+        f"the time step was up to {ratio:.2f} times its limit in {frames} of {len(run['time'])} frames, at which it was shortened; if the "
+        "energy budget does not close (energy-open), choose a shorter outputs.frame_interval, or "
+        f"numerics.adaptive_step.courant={adaptive.courant / ratio:.2f}"
+    )
 
 
 def check_of_scene(path: Path, scene: Scene) -> None:

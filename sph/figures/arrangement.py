@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 from matplotlib.patheffects import withStroke
@@ -95,7 +95,7 @@ def figure_geometry(run: Run, fidelity: str = "") -> Figure:
 
 
 def layer_legend(
-    figure: Figure, scene: Scene, shown: Iterable[int] | None = None, more: Sequence[Artist] = (), named: bool = False
+    figure: FigureBase, scene: Scene, shown: Iterable[int] | None = None, more: Sequence[Artist] = (), named: bool = False
 ) -> None:
     """Colour, name and properties of the scene's own soil and its layers, or of those ``shown``, a line each, above a figure; below them
     what ``more`` is drawn.  They are only ``named`` in a figure that has no room for properties."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from sph.figures.arrangement import (
     LEGEND_LINE,
@@ -39,32 +40,56 @@ SHOWN_WIDTH = 600
 """Columns of the lattice up to which particles are drawn, for they would be smaller than a line."""
 
 
+class Drawn(NamedTuple):
+    """A scene to be drawn."""
+
+    scene: Scene
+    particles: Particles
+    probes: Mapping[str, int]  # particles
+    places: Mapping[str, PlaceAt] = {}  # of a study that debris may reach, as in ``metrics.places``
+    equilibrium: LimitEquilibrium | None = None
+    name: str = ""  # of an alternative of a study
+
+
 @styled
-def figure_scene(
-    scene: Scene,
-    particles: Particles,
-    probes: Mapping[str, int],
-    places: Mapping[str, PlaceAt] | None = None,
-    equilibrium: LimitEquilibrium | None = None,
-    run: Run | None = None,
-) -> Figure:
-    """Soil coloured by the layer of each particle, walls, ground, phreatic line (dashed), toe and crest; ``probes`` are particles.
+def figure_scenes(drawn: Sequence[Drawn], run: Run | None = None) -> Figure:
+    """A section for each scene: soil coloured by the layer of each particle, walls, ground, phreatic line (dashed), toe and crest.
 
-    Posts stand at the ``places`` of a study that debris may reach, as in ``metrics.places``.  The critical slip surfaces are those of
-    ``equilibrium``, the soil that has failed that of a ``run`` of the scene.
-
-    A panel each for cohesion and friction angle follows where they vary in space.
+    Posts stand at the places.  The critical slip surfaces are those of the limit equilibrium, the soil that has failed that of a ``run``
+    of the first scene.  A panel each for cohesion and friction angle follows where they vary in space.
     """
+    panels = [_Panel.of(each.scene, each.particles) for each in drawn]
+    figure = Figure(figsize=(WIDTH, 1.0), layout="constrained")
+    parts = figure.subfigures(len(drawn), 1, squeeze=False, height_ratios=[each.high for each in panels]).ravel()
+    lines = [_draw(*each) for each in zip(parts, drawn, panels, [run, *[None] * (len(drawn) - 1)], strict=True)]
+    figure.set_figheight(sum(each.high for each in panels) + LEGEND_LINE * sum(lines))
+    add_note(figure, [drawn[0].scene])
+    return figure
+
+
+class _Panel(NamedTuple):
+    """Size of the drawing of a scene."""
+
+    limits: tuple[float, float, float, float]  # m
+    varying: list[str]  # quantities that vary in space
+    high: float  # inch, without the legend
+
+    @classmethod
+    def of(cls, scene: Scene, particles: Particles) -> _Panel:
+        width, height = scene.geometry.width, scene.geometry.height
+        thick = scene.walls.layers * scene.numerics.spacing
+        reach, below = thick + 0.06 * width, thick + 0.03 * height
+        top = height + max(0.12 * height, NAMES * (width + 2 * reach) / (WIDTH - 0.7))
+        varying = [quantity for quantity in QUANTITIES if varying_layers(scene, quantity)]
+        panel = max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8)
+        return cls((-reach, width + reach, -below, top), varying, panel + 1.0 + (panel + BAR) * len(varying))
+
+
+def _draw(figure: SubFigure, drawn: Drawn, panel: _Panel, run: Run | None) -> int:
+    """Draw a scene; the lines of its legend."""
+    scene, particles = drawn.scene, drawn.particles
     layer = particles.layer[: particles.n_soil]
-    width, height = scene.geometry.width, scene.geometry.height
-    thick = scene.walls.layers * scene.numerics.spacing
-    reach, below = thick + 0.06 * width, thick + 0.03 * height
-    top = height + max(0.12 * height, NAMES * (width + 2 * reach) / (WIDTH - 0.7))
-    varying = [quantity for quantity in QUANTITIES if varying_layers(scene, quantity)]
-    panel = max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8)
-    high = panel + 1.0 + (panel + BAR) * len(varying)
-    figure = Figure(figsize=(WIDTH, high), layout="constrained")
-    ax, *maps = figure.subplots(1 + len(varying), squeeze=False).ravel()
+    ax, *maps = figure.subplots(1 + len(panel.varying), squeeze=False).ravel()
     draw_box(ax, scene)
     colours = layer_colours(scene)
     _draw_soil(ax, scene, particles, layer, ListedColormap(colours), BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours)))
@@ -72,19 +97,18 @@ def figure_scene(
     draw_seams(ax, scene)
     draw_water(ax, scene)
     failed = [] if run is None else draw_failed(ax, run)
-    surfaces = [*failed, *draw_surfaces(ax, equilibrium)]
-    figure.set_figheight(high + LEGEND_LINE * (len(scene.soils) + len(surfaces)))
-    at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()}
-    mark_places(ax, scene, at, before_the_toe=bool(places))
-    draw_places(ax, scene, places or {})
-    survey_axes(ax, scene, (-reach, width + reach, -below, top))
-    ax.set_title(plain(scene.title or scene.name), loc="left")
-    for quantity, below_it in zip(varying, maps, strict=True):
+    surfaces = [*failed, *draw_surfaces(ax, drawn.equilibrium)]
+    at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in drawn.probes.items()}
+    mark_places(ax, scene, at, before_the_toe=bool(drawn.places))
+    draw_places(ax, scene, drawn.places)
+    survey_axes(ax, scene, panel.limits)
+    ax.set_title(plain(drawn.name.replace("_", " ") or scene.title or scene.name), loc="left")
+    for quantity, below_it in zip(panel.varying, maps, strict=True):
         _draw_strength(below_it, scene, particles, quantity)
-        survey_axes(below_it, scene, (-reach, width + reach, -below, top))
-    layer_legend(figure, scene, np.unique(layer), surfaces)
-    add_note(figure, [scene])
-    return figure
+        survey_axes(below_it, scene, panel.limits)
+    shown = np.unique(layer)
+    layer_legend(figure, scene, shown, surfaces)
+    return len(scene.soils) + len(surfaces)
 
 
 def _draw_strength(ax: Axes, scene: Scene, particles: Particles, quantity: str) -> None:

@@ -19,6 +19,7 @@ from sph.checks import equilibrium
 from sph.checks.finding import Finding, finding
 from sph.checks.layers import broken_at, layers_of
 from sph.checks.messages import OR, Severity, line, record
+from sph.checks.motion import other_direction
 from sph.checks.scene import findings
 from sph.checks.stability import QUESTIONS, Peak, at_peak, of_limit, of_standing, settled, softening
 from sph.scene.schema import Scene
@@ -222,9 +223,16 @@ def study_limits(
             spent += search_seconds(scene, list(tests))
             say(f"{names[0]}: {line(limit)}")
             by_finding.setdefault(limit, []).extend(names)
-        for each in equilibrium.of_equilibrium(scene, limits):
+        told = equilibrium.of_equilibrium(scene, limits)
+        for each in told:
             say(f"{names[0]}: {line(each)}")
             by_finding.setdefault(each, []).extend(names)
+        strength = next((each.numbers["critical"] for each in told if "critical" in each.numbers), 0.0)
+        turned = other_direction({name: scenes[name] for name in names}, strength)
+        if turned:  # one finding, of the run in which it matters most
+            worst = min(turned, key=lambda name: turned[name].rank)
+            say(f"{worst}: {line(turned[worst])}")
+            by_finding.setdefault(turned[worst], []).extend([worst, *(name for name in turned if name != worst)])
     if unsearched:
         by_finding[finding("stability-unknown", subject="limits of further slopes")] = unsearched
     return _rows(by_finding)

@@ -249,6 +249,24 @@ def test_a_study_alone_is_checked_with_its_scene_and_fidelities(tmp_path: Path, 
     assert other.exit_code == REFUSED and other.stderr.endswith("is a study, where a scene is asked for: give its scene, sound.yaml\n")
 
 
+def test_the_motions_of_a_study_are_told_as_they_are_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each at its least and largest amplitude, with what is new of it; the scene's own is not run."""
+    monkeypatch.chdir(tmp_path)
+    Path("sound.yaml").write_text(yaml.safe_dump(SOUND))
+    grid = {"amplitude": ["2.0", "1.0"], "motion.frequency": ["2.0", "60.0"]}
+    Path("study.yaml").write_text(yaml.safe_dump({"study": "own", "scene": "sound.yaml", "grid": grid}))
+    told = json.loads(call("check", "study.yaml", "--json").stdout)
+    slow, fast = "frequency of the motion 2.0 Hz", "frequency of the motion 60.0 Hz"
+    assert told["rows"][f"PGA of {slow}"] == "horizontal 1 m/s2 (0.102 g) to horizontal 2 m/s2 (0.204 g)"
+    assert "PGA" not in told["rows"] and told["motions"][slow] == []
+    assert "short-waves" in {each["code"] for each in told["motions"][fast]}
+
+
+def test_the_alternatives_are_drawn_below_the_scene_as_it_is() -> None:
+    figure = draw([check(scene()), check(scene(**{"soil.cohesion": 60.0}))], names=["", "more_cement"])
+    assert [part.axes[0].get_title(loc="left") for part in figure.subfigs] == ["sound", "more cement"]
+
+
 def test_soil_with_a_name_is_called_by_it() -> None:
     fast = {"motion.frequency": 60.0}
     (plain,), (named,) = (
@@ -263,7 +281,7 @@ def test_the_command_draws_the_places_of_a_study(tmp_path: Path) -> None:
     study.write_text(yaml.safe_dump({"study": "own", "metrics": {"places": {"road": "12 beyond the toe"}}}))
     loaded = scene()
     assert places_of(study, loaded) == {"road": "12 beyond the toe"}
-    assert "road" in {text.get_text() for text in draw(check(loaded), places_of(study, loaded)).axes[0].texts}
+    assert "road" in {text.get_text() for text in draw([check(loaded)], study).axes[0].texts}
     assert call("check", file, "--plot", picture, "--configfile", study).exit_code == 0 and picture.exists()
     study.write_text(yaml.safe_dump({"metrics": {"places": {"road": "1200 beyond the toe"}}}))
     refused = call("check", file, "--configfile", study)
@@ -282,7 +300,7 @@ def test_the_drawing_shows_the_survey_and_its_layers(spacing: float) -> None:
     assert (n > FEW) == (spacing == 0.5), "both ways of drawing"
     layer = one.particles.layer[:n]
     assert 0 < np.count_nonzero(layer) < n
-    figure = draw(one)
+    figure = draw([one])
     FigureCanvasAgg(figure).draw()
     texts = "\n".join(text.get_text() for text in figure.findobj(matplotlib.text.Text))
     for word in ("soil", "clay", "elevation (m)", "toe", "crest", "H = 20 m", "A", "160", "440"):
@@ -297,7 +315,7 @@ def test_the_drawing_shows_the_survey_and_its_layers(spacing: float) -> None:
 
 def test_axes_of_a_slope_that_falls_to_the_right_decrease() -> None:
     turned = [[320 - x, y] for x, y in SOUND["geometry"]["points"]]
-    figure = draw(check(scene(**{"geometry.points": turned, "geometry.downhill": "right"})))
+    figure = draw([check(scene(**{"geometry.points": turned, "geometry.downhill": "right"}))])
     FigureCanvasAgg(figure).draw()
     ticks = [float(tick.get_text()) for tick in figure.axes[0].get_xticklabels()]
     assert len(ticks) > 3 and ticks == sorted(ticks, reverse=True)

@@ -22,6 +22,7 @@ from typer.testing import CliRunner
 import sph.command.terminal
 from sph.command.cli import app
 from sph.command.options import parse_settings
+from sph.command.run import above_limit
 from sph.jobs.exit_codes import DIVERGED, REFUSED
 from sph.scene.loading import motion_of
 from sph.scene.schema import load_scene
@@ -396,3 +397,20 @@ def test_settings_nest_and_keep_yaml_types() -> None:
 def test_help_has_examples() -> None:
     for command in ("run", "info", "plot", "animate", "export", "status", "metrics", "newmark"):
         assert "Example" in call(command, "--help").stdout
+
+
+class Stepped(dict[str, Any]):
+    """What a run stores of its steps."""
+
+    time_step_ratio = 1.25
+
+    def __init__(self, scene: Any) -> None:
+        super().__init__(time=np.arange(4), time_step=np.full(4, 1e-3), time_step_limit=np.array([2e-3, 8e-4, 1e-3, 1.5e-3]))
+        self.scene = scene
+
+
+def test_a_step_above_its_limit_is_told_with_what_remedies_it(small_slope: SceneBuilder) -> None:
+    """A step that adapts is not told to adapt."""
+    fixed, adaptive = (above_limit(Stepped(small_slope({"numerics.adaptive_step": keys}))) for keys in (None, {}))  # type: ignore[arg-type]
+    assert "1.25 times" in fixed and "let it adapt (numerics.adaptive_step={})" in fixed
+    assert "1.25 times its limit in 1 of 4 frames" in adaptive and "adaptive_step.courant=0.64" in adaptive

@@ -261,6 +261,7 @@ def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     assert plan.study.metrics.places == {"path": 8.0, "house": 40.0} and plan.study.second_fidelity == "coarse"
     lines = [line for line in told.stdout.splitlines() if line.startswith("assumed: ")]
     text = Path("own/scene.yaml").read_text()
+    assert any(f"berm: {5.0 / scene.numerics.spacing:.2g} rows of particles high" in line for line in lines)
     assert len(lines) >= 7 and all(f"#   {line}\n" in text for line in lines)
     marked = {line.split(":")[0].strip(): line.endswith("ASSUMED") for line in text.splitlines() if not line.startswith("#")}
     assert not marked["density"] and not marked["residual_friction_angle"] and marked["shear_wave_speed"] and marked["softening"]
@@ -289,7 +290,7 @@ def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
         (["--slope", "28,95"], "--slope 28,95: must be a height above 0 m and an angle from 5 to 80 degree"),
         (["--slope", "28"], "write a height (m) and an angle"),
         (["--soil", "c=5"], "--soil: 'c' is not"),
-        (["--soil", "residual_cohesion=1"], "give residual_cohesion and residual_friction_angle, or neither"),
+        (["--soil", "residual_cohesion=1"], "give residual_cohesion (0 is usual) and residual_friction_angle, or neither"),
         (["--soil", "unit_weight=1900"], "--soil unit_weight=1900: must be from 10 to 30 kN/m3"),
         (["--soil", "cohesion=high"], "--soil cohesion=high: must be a number"),
         (["--soil", "cohesion"], "--soil 'cohesion': write NAME=VALUE"),
@@ -311,5 +312,11 @@ def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
         told = CliRunner().invoke(app, ["new", *own, *arguments, "--record", "A.csv", "--out", "own"])
         assert told.exit_code == 2 and message in told.stderr, (arguments, told.output)
         assert not Path("own").exists()
+    many = ["--slope", "28,95", "--record", "A.csv", "--record", "none.csv", "--soil", "residual_cohesion=0", "--scale-to", "0.3"]
+    told = CliRunner().invoke(app, ["new", *many, "--alternative", "drained", "--water", "-1"])
+    lines = told.stderr.splitlines()[-6:]
+    begin = ("sph: --scale-to", "--alternative 'drained'", "--slope", "--soil residual_cohesion", "--water -1", "--record none.csv")
+    assert told.exit_code == 2 and all(line.startswith(each) for line, each in zip(lines, begin, strict=True)), "all at once"
+    assert "the depth of the lowered water table and the height of the berm" in lines[1]
     told = CliRunner().invoke(app, ["new", "--slope", "28,32"])
     assert told.exit_code == 2 and "--record: is missing" in told.stderr

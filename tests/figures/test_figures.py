@@ -35,7 +35,7 @@ from sph.figures import (
 from sph.figures.arrangement import motion_name, stays_words
 from sph.figures.before_after import figure_before_after
 from sph.figures.profile import field_norm, layer_colours
-from sph.figures.scene import figure_scene
+from sph.figures.scene import Drawn, figure_scenes
 from sph.figures.study import BOUNDED
 from sph.figures.style import LINE_STYLES, curve_colours, metres, note_text, write_note
 from sph.measures.fields import FIELDS
@@ -432,7 +432,7 @@ def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
         "mobilised": figure_mobilised(run, "draft"),
         "profiles": figure_profiles({"amplitude 4.0 m/s², cohesion of soft clay 30 kPa": run, "two": run}, "draft"),
         "run": plot_trajectory(run),
-        "scene": figure_scene(checked.scene, checked.particles, checked.probes),
+        "scene": figure_scenes([Drawn(checked.scene, checked.particles, checked.probes)]),
     }
     assert {name: found for name, figure in figures.items() if (found := overprints(figure))} == {}
     for name, figure in figures.items():
@@ -445,7 +445,7 @@ def test_names_have_room_in_a_flat_section() -> None:
     line = {"shape": "ground_line", "points": [[0, 0], [230, 0], [300, 20], [520, 22]], "base": -5}
     run = synthetic(overrides={"title": "A long and flat hillside whose title meets its crest, where A is", "geometry": line})
     checked = check(run.scene)
-    assert overprints(figure_scene(checked.scene, checked.particles, checked.probes)) == [] == overprints(figure_geometry(run))
+    assert overprints(figure_scenes([Drawn(checked.scene, checked.particles, checked.probes)])) == [] == overprints(figure_geometry(run))
 
 
 PLACES = {"road": "12 beyond the toe", "house_of_the_guard": "20 m beyond the toe"}
@@ -458,7 +458,7 @@ def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> 
     toe, base = run.scene.geometry.toe
     figures = {
         "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
-        "scene": figure_scene(checked.scene, checked.particles, checked.probes, PLACES),
+        "scene": figure_scenes([Drawn(checked.scene, checked.particles, checked.probes, PLACES)]),
         "run": plot_trajectory(run, places=PLACES),
         "before and after": figure_before_after(run, "one", PLACES),
     }
@@ -519,7 +519,7 @@ def test_a_slope_that_falls_to_the_right_is_drawn_so() -> None:
 def test_a_seam_is_drawn_where_it_is_in_the_soil_with_its_name() -> None:
     seam = {"points": [[0.0, 2.0], [10.0, 7.0]], "cohesion": 5.0, "friction_angle": 10.0}
     scene = make_scene({"scheme": "paper", "name": "block", "numerics": {"spacing": 0.5}, "seams": {"weak_clay": seam}} | BLOCK)
-    figure = figure_scene(scene, place_particles(scene), {})
+    figure = figure_scenes([Drawn(scene, place_particles(scene), {})])
     (line,) = [line for line in axes(figure).lines if line.get_linewidth() == 1.2]
     shown = np.isfinite(line.get_xdata())
     np.testing.assert_allclose(line.get_ydata()[shown], 2.0 + 0.5 * line.get_xdata()[shown])

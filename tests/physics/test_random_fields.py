@@ -145,7 +145,7 @@ def test_summary_finding_and_map_of_a_field(small_slope: Any, monkeypatch: pytes
     assert found.counts and "2 m" in words(found).measured and f"{2 * scene.numerics.smoothing_length:.3g} m" in words(found).wanted
     longer = small_slope({"uncertain": varied(field={"horizontal_length": 50.0, "vertical_length": 2 * scene.numerics.smoothing_length})})
     assert "short-correlation" not in {each.code for each in findings(longer)}
-    _, shown, scale = draw(check(scene)).axes
+    _, shown, scale = draw([check(scene)]).axes
     assert scale.get_xlabel() == "peak cohesion (kPa)" and shown.get_aspect() == 1.0
     assert scale.get_xlim() == pytest.approx((cohesion.min(), cohesion.max()))
 

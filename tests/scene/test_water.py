@@ -120,7 +120,7 @@ def test_summaries_and_figures_show_the_water() -> None:
     assert dict(water_rows(built)) == {"water": expected}
     for rows in (describe(built), check_rows(check(built))):
         assert dict(rows)["water"] == expected
-    figure = draw(check(built))
+    figure = draw([check(built)])
     (line,) = (line for line in figure.axes[0].lines if line.get_linestyle() == "--" and line.get_color() == "tab:blue")
     np.testing.assert_allclose(line.get_xydata(), [[0.0, 13.0], [36.0, 13.0], [80.0, 17.0]])
 

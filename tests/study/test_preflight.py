@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from sph.checks.finding import Finding, codes, finding
 from sph.checks.messages import MESSAGES, Severity, meaning, words
-from sph.checks.motion import POLARITY_RATIO, drifting, mean_period
+from sph.checks.motion import POLARITY_RATIO, drifting, mean_period, other_direction
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
 from sph.checks.stability import QUESTIONS, Peak, stability
 from sph.command.cli import app
@@ -127,6 +127,14 @@ def test_the_direction_of_a_record_is_told_where_it_matters() -> None:
     (told,) = [each for each in findings(record_scene(one_sided)) if each.code == "record-polarity"]
     assert (told.severity, words(told).key) == ("note", "motion.factor=-1") and told.numbers["reversed"] == pytest.approx(turned)
     assert "record-polarity" not in {each.code for each in findings(record_scene(-one_sided))}
+    # A study of the one direction is warned by the slope's own yield acceleration, unless it has the other one as well.
+    alone = {"as it is": record_scene(one_sided)}
+    (warned,) = other_direction(alone, strength).values()
+    assert (
+        warned.severity == "warning" and "both directions" in words(warned).wanted and warned.numbers["reversed"] == pytest.approx(turned)
+    )
+    assert other_direction(alone, 4.0) == {} == other_direction(alone, 0.0), "the slope does not slide; its yield acceleration is not known"
+    assert other_direction(alone | {"reversed": record_scene(one_sided, **{"motion.factor": -1.0})}, strength) == {}
 
 
 def test_the_mean_period_is_that_of_a_sine_and_of_two_by_their_power() -> None:
