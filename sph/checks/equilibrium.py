@@ -116,7 +116,16 @@ def of_residual(scene: Scene) -> list[Finding]:
         kept = {"cohesion": 1e-3 * cohesion, "friction_angle": math.degrees(math.atan(friction))}
         seams[name] = seam.model_copy(update=kept)
     equilibrium = found_equilibrium(weakened(scene, scene.coupling.S_R).model_copy(update={"seams": seams}))
-    return [] if equilibrium is None else [finding("limit-equilibrium-residual", **equilibrium_numbers(equilibrium))]
+    if equilibrium is None:
+        return []
+    return [finding("limit-equilibrium-residual", **equilibrium_numbers(equilibrium), **strength_ratios(scene))]
+
+
+def strength_ratios(scene: Scene) -> dict[str, Any]:
+    """The strength ratios S_R that decide residual strengths, the scene's and those of layers, by their keys."""
+    using = [material for material in scene.materials if material.uses_S_R]
+    own = {f"layers.{each.name}.S_R": each.S_R for each in using if each.name in scene.layers and scene.layers[each.name].S_R is not None}
+    return ({"S_R": scene.coupling.S_R} if len(using) > len(own) else {}) | own
 
 
 def _reasons(scene: Scene, equilibrium: LimitEquilibrium, difference: float) -> dict[str, Any]:

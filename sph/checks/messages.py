@@ -147,8 +147,14 @@ def _displaced(of: Numbers) -> str:
 
 
 def _at_residual(of: Numbers) -> str:
-    own = "".join(f", {name.split('.')[1]} {value:g}" for name, value in of.items() if name.startswith("layers."))
-    return f"the slope without shaking, at residual strength (S_R {{S_R:g}}{own})"
+    return f"the slope without shaking, at residual strength{_ratios(of)}"
+
+
+def _ratios(of: Numbers) -> str:
+    """The strength ratios that decide a residual strength; nothing where it is given directly."""
+    own = [f"{name.split('.')[1]} {value:g}" for name, value in of.items() if name.startswith("layers.")]
+    said = ", ".join([f"{of['S_R']:g}"] * ("S_R" in of) + own)
+    return f" (strength ratio {said})" if said else ""
 
 
 def _stable(of: Numbers) -> str:
@@ -342,7 +348,7 @@ MESSAGES: dict[str, Message] = {
         meaning="factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods",
     ),
     "limit-equilibrium-residual": note(
-        "limit equilibrium at the residual strength",
+        lambda of: f"limit equilibrium at the residual strength{_ratios(of)}",
         factor_words,
         meaning="factor of safety by limit equilibrium at the strength that failed soil keeps",
     ),

@@ -154,8 +154,7 @@ def of_standing(peak: Peak, scene: Scene, static: Scene, softening: Callable[[],
 
 def of_residual(trial: Trial, scene: Scene) -> Finding:
     """Whether the slope stands at the strength that failed soil keeps."""
-    own: dict[str, Any] = {f"layers.{name}.S_R": layer.S_R for name, layer in scene.layers.items() if layer.S_R is not None}
-    return finding("stands-at-residual" if trial.stands else "fails-at-residual", S_R=scene.coupling.S_R, **own)
+    return finding("stands-at-residual" if trial.stands else "fails-at-residual", **equilibrium.strength_ratios(scene))
 
 
 def of_limit(code: str, scene: Scene, tolerance: float = TOLERANCE, spacings: Sequence[float] | None = None) -> Finding:

@@ -78,7 +78,7 @@ class SoFar:
             f"{self.folder}/{PAGE}",
             StudyFiles(
                 study.study, study.fidelity, self.folder, table, layout, self.plan.dimensions, len(study.runs), shown, scenes, [], files,
-                sections=[], probe=study.metrics.probe, places=study.metrics.places, client=study.page == "client", project=study.project,
+                sections=[], metrics=study.metrics, client=study.page == "client", project=study.project,
                 author=study.author, missing=self.missing, renewed=RENEWED if growing and self.missing else 0,
             ),
         )  # fmt: skip

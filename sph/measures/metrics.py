@@ -373,6 +373,12 @@ def class_displacement(name: str, scene: Scene, settings: MetricSettings) -> flo
     return _limits(settings)[name] * height_of(scene)
 
 
+def class_words(settings: MetricSettings, scene: Scene) -> str:
+    """Which displacements of the probe the classes are, in words."""
+    limits = ", ".join(f"{name} from {limit:g} H" for name, limit in _limits(settings).items())
+    return f"Class by the displacement of {settings.probe}: {limits}; the height H of the slope is {height_of(scene):.3g} m."
+
+
 def _limits(settings: MetricSettings) -> dict[str, float]:
     return dict(zip(CLASSES[1:], (settings.stable_limit, settings.minor_limit, settings.damaged_limit), strict=True))
 

@@ -25,7 +25,7 @@ from sph.figures import caption as caption_of
 from sph.figures.arrangement import stays_words
 from sph.figures.before_after import NARROW, figure_before_after
 from sph.figures.style import DPI, NOTHING, WIDTH
-from sph.measures.metrics import CLASSES
+from sph.measures.metrics import CLASSES, MetricSettings, class_words
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
 from sph.page.answer import answer, as_it_is, strongest
@@ -73,13 +73,22 @@ class StudyFiles(NamedTuple):
     files: Sequence[str]  # of the sections
     sections: Sequence[Section]
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure of the study was drawn, by its name
-    probe: str = "A"
-    places: Mapping[str, PlaceAt] = {}
+    metrics: MetricSettings = MetricSettings()
     client: bool = False  # the page is without keys, paths, commands and what has still to be made
     project: str = ""  # of a client's page
     author: str = ""
     missing: Mapping[str, Missing] = {}  # runs that are not done yet, and so not in the table, by name
     renewed: int = 0  # seconds after which the page is to be read again, since it grows; 0: it is finished
+
+    @property
+    def probe(self) -> str:
+        """The probe that is measured."""
+        return self.metrics.probe
+
+    @property
+    def places(self) -> Mapping[str, PlaceAt]:
+        """The places that debris may reach."""
+        return self.metrics.places
 
     def read(self, path: Path | str) -> Run:
         """The run of a file."""
@@ -188,6 +197,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         overview=None if first is None else overview(study, first, titles[list(table.index).index(first)], cells),
         missing=[f"{title_of(study.dimensions, each.point)}: {each.stand}" for each in study.missing.values()],
         matrix=cells,
+        class_words=class_words(study.metrics, scene),
         opens={} if first is None else {"run": first, **table.loc[first, axes].to_dict()},
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),

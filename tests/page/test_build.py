@@ -126,7 +126,7 @@ def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
 def test_nothing_that_a_file_holds_becomes_markup(study: StudyFiles) -> None:
     Path(FOLDER, "trigger").mkdir()
     Path(FOLDER, "trigger", "claim.csv").write_text(f'claim,verdict,note\n11,"{HOSTILE}",**bold**\n')
-    page = build_page(study._replace(name=HOSTILE, files=existing(FOLDER, study.sections), probe="A"))
+    page = build_page(study._replace(name=HOSTILE, files=existing(FOLDER, study.sections)))
     words = Words(page)
     assert TITLE in words.text and HOSTILE in words.text
     assert [tag for tag, _ in words.elements].count("script") == 2 and not any("onerror" in attrs for _, attrs in words.elements)

@@ -52,8 +52,7 @@ rule page:
                     (PLAN.shared.gravity_of(run.id).file, run.parent)
                     for run in PLAN.page_runs
                 ],
-                "probe": PLAN.study.metrics.probe,
-                "places": PLAN.study.metrics.places,
+                "metrics": PLAN.study.metrics,
                 "client": PLAN.study.page == "client",
                 "project": PLAN.study.project,
                 "author": PLAN.study.author,

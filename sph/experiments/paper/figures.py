@@ -31,10 +31,29 @@ def _histories(panels: Mapping[str, Mapping[str, Run]], probe: str, fidelity: st
     return figure
 
 
+def figure_strength_profiles(runs: Mapping[str, Run], fidelity: str = "") -> Figure:
+    """Slope profiles after the horizontal excitation, at the end of the run, for several strength reduction factors S_R.  The colours
+    indicate the initial height of the particles, except those of the box, which are white; the line is the initial surface, A is the
+    particle at the original crest edge.
+
+    ``runs`` by panel title (Fig. 4).  Raises ValueError without runs.
+    """
+    return figure_profiles(runs, fidelity)
+
+
+def figure_gamma_profiles(runs: Mapping[str, Run], fidelity: str = "") -> Figure:
+    """Slope profiles after the horizontal excitation, at the end of the run, for a large and a small coupling parameter γ, coloured as in
+    Figure 4.
+
+    ``runs`` by panel title (Fig. 5).  Raises ValueError without runs.
+    """
+    return figure_profiles(runs, fidelity)
+
+
 @styled
 def figure_strength_histories(panels: Mapping[str, Mapping[str, Run]], probe: str = "A", fidelity: str = "") -> Figure:
-    """Vertical displacement of particle A at the original crest edge for several strength ratios, since the end of the gravity
-    stage and relative to the box; the band is the interval of shaking.
+    """Vertical displacement of particle A at the original crest edge for several strength reduction factors S_R, since the end of the
+    gravity stage and relative to the box; the band is the interval of shaking.
 
     ``panels`` by title, e.g. ``{"γ = 100 s⁻¹, 6.0 m/s²": {"S_R = 0.10": run, ...}}`` (Fig. 6).  Raises ValueError for an empty
     panel and an unknown probe.
@@ -44,7 +63,7 @@ def figure_strength_histories(panels: Mapping[str, Mapping[str, Run]], probe: st
 
 @styled
 def figure_gamma_histories(panels: Mapping[str, Mapping[str, Run]], probe: str = "A", fidelity: str = "") -> Figure:
-    """Vertical displacement of particle A at the original crest edge for fast and slow loss of strength (γ), since the end of the
+    """Vertical displacement of particle A at the original crest edge for a large and a small coupling parameter γ, since the end of the
     gravity stage and relative to the box; the band is the interval of shaking.  The paper's text gives S_R = 0.25, its caption 0.35.
 
     ``panels`` by title, e.g. ``{"S_R = 0.25": {"γ = 100": run, "γ = 1": run}, ...}`` (Fig. 7).  Raises ValueError for an empty
@@ -55,8 +74,8 @@ def figure_gamma_histories(panels: Mapping[str, Mapping[str, Run]], probe: str =
 
 FIGURES: dict[str, Callable[..., Figure]] = {
     **{f"fig{number}": RUN_FIGURES[name] for number, name in enumerate(INPUT_FIGURES, 1)},
-    "fig4": figure_profiles,
-    "fig5": figure_profiles,
+    "fig4": figure_strength_profiles,
+    "fig5": figure_gamma_profiles,
     "fig6": figure_strength_histories,
     "fig7": figure_gamma_histories,
 }

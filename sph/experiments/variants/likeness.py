@@ -30,7 +30,8 @@ class Range(NamedTuple):
         """What is said of a value outside."""
         inside = self.least * (1 - 1e-9) <= value <= self.most * (1 + 1e-9)
         unit = f" {self.unit}" if self.unit else ""
-        return [] if inside else [f"{self.what} {value:.3g}{unit} is not within {self.least:g} to {self.most:g}{unit}"]
+        wanted = f"within {self.least:g} to {self.most:g}" if self.least < self.most else f"{self.least:g}"
+        return [] if inside else [f"{self.what} {value:.3g}{unit} is not {wanted}{unit}"]
 
 
 HEIGHT = Range("height", 12.5, 50.0, "m")
