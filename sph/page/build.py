@@ -298,7 +298,7 @@ def picture(path: str, drawing: Drawing, runs: Sequence[str] = (), drawn: io.Byt
     try:
         with Image.open(drawn or path) as image:
             small = io.BytesIO()
-            image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+            image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(small, "PNG")
             width, height = image.size
     except (OSError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as a picture: {error}; delete it and repeat the command that wrote it") from error
@@ -314,8 +314,8 @@ def cost_of(table: pd.DataFrame, study: StudyFiles) -> Cost:
     apart, speeds = math.fsum(table["wall_time"]), table["particle_steps_per_second"]
     shared = math.nan
     if len(study.runs) == study.size:
-        gravities = {gravity: _seconds(gravity) for gravity, _ in study.stages}
-        pre_failures = {file: (_seconds(file), gravities[gravity]) for gravity, file in study.stages}
+        gravities = {gravity: _seconds(gravity) for gravity in {gravity for gravity, _ in study.stages}}
+        pre_failures = {file: (_seconds(file), gravities[gravity]) for gravity, file in {*study.stages}}
         own = apart - math.fsum(pre_failures[file][0] for _, file in study.stages)
         shared = own + math.fsum(gravities.values()) + math.fsum(seconds - gravity for seconds, gravity in pre_failures.values())
     return Cost(shared, apart, (float(speeds.min()), float(speeds.max())))
