@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,13 +16,13 @@ from sph.jobs.ahead import finished
 from sph.jobs.log import read_log
 from sph.measures.metrics import Value
 from sph.output.run import Run
-from sph.page.answer import CHECKED, FINDINGS
+from sph.page.answer import CHECKED, FINDINGS, STANDS
 from sph.page.build import Missing, StudyFiles, write_page
 from sph.storage import trajectory
 from sph.study.dimensions import CASE
 from sph.study.plan import Plan
 from sph.study.planned import digest, planned
-from sph.study.preflight import looked_at
+from sph.study.preflight import looked_at, preflight_searches
 from sph.study.tables import study_rows, write_csv
 
 PAGE, TABLE = "so_far.html", "so_far.csv"
@@ -58,7 +58,8 @@ class SoFar:
         done = {name: _path(state, base) for name, state in states.items() if state.state == Stand.DONE and _path(state, base).exists()}
         self.missing = {name: Missing(study.runs[name], _stand(state)) for name, state in states.items() if name not in done}
         searches = [state for state in look_at(list(self._searches.values()), base) if state.state == Stand.DONE]
-        files = [os.path.relpath(path) for path in (*self._found(), *(_path(state, base) for state in searches)) if path.is_file()]
+        found = self._found()
+        files = [os.path.relpath(path) for path in (*found, *(_path(state, base) for state in searches)) if path.is_file()]
         new = (list(done), files)
         if not done:
             Path(self.folder, PAGE).unlink(missing_ok=True)  # of runs that are not those planned now
@@ -79,7 +80,8 @@ class SoFar:
             StudyFiles(
                 study.study, study.fidelity, self.folder, table, layout, self.plan.dimensions, len(study.runs), shown, scenes, [], files,
                 sections=[], metrics=study.metrics, client=study.page == "client", project=study.project,
-                author=study.author, missing=self.missing, renewed=RENEWED if growing and self.missing else 0,
+                author=study.author, missing=self.missing,
+                to_come=self._to_come(found, len(searches)), renewed=RENEWED if growing and self.missing else 0,
             ),
         )  # fmt: skip
         self._written = new
@@ -93,6 +95,12 @@ class SoFar:
             if log and log.of == self._slopes:
                 found.append(self._base / "results" / study.study / pattern.format(fidelity=study.fidelity))
         return found
+
+    def _to_come(self, found: Sequence[Path], searched: int) -> list[str]:
+        """The codes of the findings that the study still searches, where these tables and so many searches are there."""
+        asked = preflight_searches(self.plan.study.searches, bool(self._searches))
+        tests = [] if asked is None or any(path.name == Path(FINDINGS).name and path.is_file() for path in found) else [STANDS, *asked]
+        return tests + ["yield-acceleration"] * (searched < len(self._searches))
 
     def _values(self, path: Path, yield_acceleration: float) -> dict[str, Value]:
         """The columns of a run; measured again where its file or its yield acceleration is another one."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -34,6 +35,7 @@ from sph.page.facts import (
     yearly,
 )
 from sph.page.levels import levels, widths
+from sph.page.matrix import TO_COME
 from sph.page.tables import Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
@@ -54,6 +56,8 @@ ANNUAL = "*/trigger/fragility_annual.csv"
 """How often a year, where a hazard curve was given."""
 CLAIMS, TRIGGER_CLAIM = "{fidelity}/claims.csv", "*/trigger/claim.csv"
 """The claims of a paper as the study decides them, and the one that a search decides, of the study of such claims."""
+STANDS = "stands-unshaken"
+"""The finding of a static test before the runs."""
 SPACINGS = "{fidelity}/spacing.csv"
 """The runs at a second spacing, where the study names one."""
 
@@ -77,10 +81,12 @@ def answer(
     found: Callable[[str], Sequence[str]],
     client: bool = False,
     missing: int = 0,
+    to_come: Collection[str] = (),
 ) -> Answer:
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
 
-    That for a ``client`` names no commands and keys.  Of runs that are still ``missing`` in the table nothing is said.
+    That for a ``client`` names no commands and keys.  Of runs that are still ``missing`` in the table nothing is said; ``to_come`` are the
+    codes of findings that are still searched.
     """
     size = len(table) + missing
     rows = [row for file in found(FINDINGS) or found(CHECKED) for row in read_preflight(file)]
@@ -88,13 +94,18 @@ def answer(
     findings = [row.finding for row in [row for row in rows if row.worst_run in own.index] or rows]  # not those of alternatives
     why = held_back(table, rows)
     less = f"it may fail at less: {why}" if why else ""
-    factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
+
+    def sought(code: str, limit_of: str, command: str) -> tuple[str, str]:
+        files = [file for file in found(_files(limit_of)) if f"{ALTERNATIVE}-" not in Path(file).stem]  # those of the scene as it is
+        return _unless(to_come, code, limit(findings, code, files, "" if client else command))
+
+    factor, how = sought("factor-of-safety", SAFETY, "sph fos")
     how += few_rows(findings)
-    critical, statically = limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")
+    critical, statically = sought("yield-acceleration", YIELD, "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
-        ("Without shaking", *unshaken(table, rows, missing)),
+        ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing))),
         ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
         *at_residual(rows),
         ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
@@ -117,6 +128,11 @@ def answer(
         if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
         else "differs, see all runs",
     )
+
+
+def _unless(to_come: Collection[str], code: str, said: tuple[str, str]) -> tuple[str, str]:
+    """What is said of a limit, unless it is not known and still searched."""
+    return (TO_COME, "") if code in to_come and said[0] in (NOT_TESTED, NOT_SEARCHED) else said
 
 
 def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> list[str]:

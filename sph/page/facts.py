@@ -73,11 +73,11 @@ def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
 
 def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely: str) -> tuple[str, str]:
     """A limit with its error, least to most over the slopes, and how it was found: by the searches in ``files``, of which Newmark's blocks
-    have theirs, or where there are none by the quick ones before the runs; ``closely`` is the command that searches more closely, if it is
-    to be named."""
-    if files:
-        return _of_files(files)
+    have theirs, or by the quick ones before the runs, beside which stand those in files where they are of fewer slopes; ``closely`` is the
+    command that searches more closely, if it is to be named."""
     found = sorted((each for each in findings if each.code == code), key=lambda each: float(each.numbers["value"]))
+    if files and len(files) >= len(found):
+        return _of_files(files, bool(closely))
     if not found:
         unknown = [str(each.numbers["reason"]) for each in findings if (each.code, each.subject) == ("stability-unknown", code)]
         if unknown:
@@ -85,7 +85,10 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
         return NOT_SEARCHED, closely
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
     how = f"static, a quick search{slopes} before the runs, {limit_how(found[0].numbers)}"
-    return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
+    words = " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1]))))
+    if files:
+        words += f"; more closely {_of_files(files, bool(closely))[0]}"
+    return words, how + f"; more closely: {closely}" * bool(closely)
 
 
 def few_rows(findings: Sequence[Finding]) -> str:
@@ -96,12 +99,14 @@ def few_rows(findings: Sequence[Finding]) -> str:
     return "".join(f"; with {rows:.2g} rows of particles in {name} at most, where {MIN_IN_LAYER} are needed" for rows, name in few)
 
 
-def _of_files(files: Sequence[str]) -> tuple[str, str]:
+def _of_files(files: Sequence[str], named: bool) -> tuple[str, str]:
+    """The same by the searches in some files; one of several slopes is ``named`` as its file is, or not."""
     searches = sorted((trajectory.read(file).attrs for file in files), key=lambda facts: float(facts["value"]))
     found = [search_words(facts) for facts in searches if not facts["reason"]]
     reasons = list(dict.fromkeys(search_words(facts)[0] for facts in searches if facts["reason"]))
     several = any(Path(file).stem not in SLOPE_LIMITS for file in files)  # of a study of several slopes, each named
-    one = " of the mean soil" if all(OF_MEAN in Path(file).stem for file in files) else " of one slope"
+    slope = re.sub("|".join(f"^{limit}_?" for limit in SLOPE_LIMITS), "", Path(files[0]).stem) if named and len(files) == 1 else ""
+    one = " of the mean soil" if all(OF_MEAN in Path(file).stem for file in files) else f" of {slope or 'one slope'}"
     count = "" if not several else one if len(found) == 1 else f" of {len(found)} slopes"
     words = [" to ".join(dict.fromkeys((found[0][0], found[-1][0]))) + count] if found else []
     return "; ".join(words + reasons), ", ".join(["static", *dict.fromkeys(how for _, how in found)])

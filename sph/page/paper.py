@@ -15,8 +15,8 @@ PAPER_SECTIONS: tuple[Section, ...] = (
     FIGURES._replace(
         title="The paper's results",
         text="Figures 4 to 7 of the paper as this study gives them; the note in each says from which scene and resolution it comes. "
-        "S_R, the strength ratio, is the paper's strength reduction factor, γ its coupling parameter (Eqs. 9, 14, 15). The paper shakes with "
-        "6.0 m/s² and shows S_R 0.10, 0.25 and 0.50 (0.35 in the caption of Fig. 7) with γ 100 and 1; other runs are this study's own.",
+        "S_R, the strength ratio, is the paper's strength reduction factor, γ its coupling parameter (Eqs. 9, 14, 15). The paper shakes "
+        "with 6.0 m/s² and shows S_R 0.10, 0.25 and 0.50 (0.35 in the caption of Fig. 7) with γ 100 and 1; other runs are not in it.",
         figures=drawings(figures.FIGURES, numbered(RESULTS)),
         leads=True,
     ),

@@ -35,7 +35,7 @@ def plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plan:
         "scene": "slope.yaml",
         "grid": {"S_R": ["0.10", "0.50"], "amplitude": ["4.0", "6.0"]},
         "metrics": {"places": {"house": "8 beyond the toe"}},
-        "searches": "none",
+        "searches": "quick",
         "fidelities": {"own": {}, "coarse": {"numerics": {"spacing": 6.25}}, "fine": {"numerics": {"spacing": 2.5}}},
         "second_fidelity": "coarse",
     }
@@ -89,6 +89,8 @@ def test_a_page_of_some_runs_says_which_are_missing_and_nothing_of_them(plan: Pl
         "no failure found so far up to 4 m/s²",
         "still to come",
         "stands by a static test",
+        "Factor of safety still to come",
+        "Yield acceleration not searched",
         "4 of 4 runs: ",
     ):
         assert said in first, first
@@ -115,6 +117,7 @@ def test_the_page_grows_until_all_runs_are_there(plan: Plan, monkeypatch: pytest
         (1, 1, 3, page_of.RENEWED), (2, 2, 2, page_of.RENEWED), (3, 3, 1, page_of.RENEWED), (4, 4, 0, 0)
     ]  # fmt: skip
     assert len(measured) == 4, "each run is measured once"
+    assert pages[-1][1].to_come == ["stands-unshaken", "factor-of-safety"], "no search is done"
     assert f"{FOLDER}/{page_of.PAGE}: 4 of 4 runs\n" in told.stderr
     assert told.stdout.strip() == f"{FOLDER}/report.html follows when snakemake is done"
 

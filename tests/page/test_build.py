@@ -388,7 +388,10 @@ def test_limits_of_several_slopes(tmp_path: Path) -> None:
     def told(count: slice) -> str:
         return limit([], "factor-of-safety", files[count], "sph fos")[0]
 
-    assert told(slice(1)) == "1.35 ± 0.05 of one slope"
+    assert told(slice(1)) == "1.35 ± 0.05 of S_R-0" and limit([], "factor-of-safety", files[:1], "")[0] == "1.35 ± 0.05 of one slope"
+    quick = [finding("factor-of-safety", value=value, error=0.1, coarse=2.0, fine=1.0, step_taken=True) for value in (1.2, 1.4)]
+    beside = limit(quick, "factor-of-safety", files[:1], "sph fos")[0]
+    assert beside == "1.20 ± 0.10 to 1.40 ± 0.10; more closely 1.35 ± 0.05 of S_R-0", "that of one slope is not that of all"
     assert told(slice(2)) == "1.15 ± 0.05 to 1.35 ± 0.05 of 2 slopes"
     assert told(slice(3)) == "1.15 ± 0.05 to 1.35 ± 0.05 of 2 slopes; not found: fails even at 0.1"
     assert told(slice(2, 3)) == "not found: fails even at 0.1"
