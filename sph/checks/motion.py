@@ -13,7 +13,7 @@ from sph.scene.geometry import SLOPES, Bodies
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_motion import GroundMotion
 from sph.scene.ground_motion.record import Record, processed
-from sph.scene.loading import loading_of, motion_of
+from sph.scene.loading import Loading, loading_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.natural_periods import column_at, first_peak, impedance_below, natural_frequency
 from sph.scene.schema import Scene
@@ -57,9 +57,8 @@ def cut_off(scene: Scene) -> list[Finding]:
     return [finding("motion-cut-off", "duration", value=scene.duration, bound=scene.motion.end)]
 
 
-def of_motion(scene: Scene) -> list[Finding]:
-    """All findings of the shaking of a scene."""
-    loading = loading_of(scene)
+def of_motion(scene: Scene, loading: Loading) -> list[Finding]:
+    """All findings of the shaking of a scene, from its loads."""
     components = {"horizontal": loading.ground, "vertical": loading.vertical}
     scaling = ("motion.factor", "motion.unit") if isinstance(scene.motion, Record) else ("motion.amplitude",)
     return cut_off(scene) + sampled(scene) + of_record(scene) + implausible(components, *scaling)
@@ -114,11 +113,11 @@ def of_damping(scene: Scene) -> list[Finding]:
     return [finding("damping-off-frequency", key, value=ratio, bound=OTHER_DAMPING * given, given=given, frequency=frequency)]
 
 
-def not_rigid(scene: Scene) -> list[Finding]:
+def not_rigid(scene: Scene, loading: Loading) -> list[Finding]:
     """A note if the ground below the crest is too soft for a rigid block to move like the slope."""
     if not isinstance(scene.geometry, SLOPES) or isinstance(scene.motion, (NoMotion, ConstantAcceleration)):
         return []
-    mean, period = mean_period(motion_of(scene)), 1.0 / natural_frequency(scene, scene.geometry.crest)
+    mean, period = mean_period(GroundMotion(loading.time, loading.ground)), 1.0 / natural_frequency(scene, scene.geometry.crest)
     if not mean or period <= MAX_RIGID * mean:
         return []
     return [finding("block-not-rigid", value=period / mean, bound=MAX_RIGID, period=period)]

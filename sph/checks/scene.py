@@ -19,7 +19,7 @@ from sph.checks.step_limits import step_limits
 from sph.scene.geometry import Slope
 from sph.scene.ground_line import GroundLine, largest_climb
 from sph.scene.ground_motion.record import Record, processed
-from sph.scene.loading import loading_of
+from sph.scene.loading import Loading, loading_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.places import ABOVE, shifted
 from sph.scene.schema import Scene
@@ -216,6 +216,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
     """
     particles = particles or place_particles(scene)
     check_at_rest(scene, particles)
+    loading = loading_of(scene)
     result = (
         of_choices(scene)
         + of_soils(scene)
@@ -227,10 +228,10 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + of_softening(scene)
         + of_loss(scene)
         + of_variation(scene)
-        + of_motion(scene)
-        + not_rigid(scene)
+        + of_motion(scene, loading)
+        + not_rigid(scene, loading)
         + of_damping(scene)
-        + of_level_ground(scene, particles)
+        + of_level_ground(scene, particles, loading)
         + _series(scene)
         + _step(scene)
     )
@@ -379,12 +380,12 @@ def level_ground(scene: Scene, particles: Particles) -> tuple[float, float]:
     return float(held[weakest]), float(scene.geometry.ground(x[last[:1]])[0] - y[last[weakest]])
 
 
-def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
+def of_level_ground(scene: Scene, particles: Particles, loading: Loading) -> list[Finding]:
     """A finding if the shaking shears off level ground behind the crest, whose column moves as one: waves that are short beside its height
     shear it less, and amplification more.  Ground with water is left out."""
     if not isinstance(scene.geometry, (Slope, GroundLine)) or scene.water is not None:
         return []
-    (enough, depth), peak = level_ground(scene, particles), float(np.abs(loading_of(scene).ground).max())
+    (enough, depth), peak = level_ground(scene, particles), float(np.abs(loading.ground).max())
     if peak < enough:
         return []
     return [finding("level-ground-fails", "motion.amplitude", value=peak, bound=enough, depth=depth)]

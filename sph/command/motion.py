@@ -105,7 +105,7 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
         scene, files = read_given(path, laid_over(path, overrides, treatment), earlier)
         loading = loading_of(scene)
         components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
-        name, interval, told = scene.name, float(loading.time[1]), of_motion(scene)
+        name, interval, told = scene.name, float(loading.time[1]), of_motion(scene, loading)
     told = [each for each in told if each.code != "record-polarity"]
     if turned:
         components["horizontal"] = -components["horizontal"]

@@ -44,10 +44,10 @@ rule stage:
         "../scripts/simulate.py"
 
 
-use rule stage as search with:  # of a limit of a slope by many runs, which is no hurry
+use rule stage as search with:  # of a limit of a slope by many runs: after the runs, before figures, since tables wait for it
     wildcard_constraints:
         run="(yield_acceleration|factor_of_safety).*",
-    priority: 0
+    priority: 5
     params:
         **simulated(stage_row, "search"),
 
