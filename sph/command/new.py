@@ -357,12 +357,12 @@ def _refused(known: Known) -> Iterator[str]:
         else:
             allowed = f"a height above 0 m and an angle from {GENTLEST:g} to {STEEPEST:g} degree"
             yield f"--slope {height:g},{angle:g}: must be {allowed}, as 28,32"
-    for option, names, allowed in (
+    for option, names, known_names in (
         ("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:])),
         ("--alternative", known.alternatives, ("drained", "berm")),
     ):
         try:
-            check_known(option, names, allowed)
+            check_known(option, names, known_names)
         except ValueError as error:
             yield str(error)
     residual = [key for key in known.soil if key.startswith(RESIDUAL)]
