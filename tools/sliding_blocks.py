@@ -221,7 +221,7 @@ def figure_blocks(table: pd.DataFrame) -> Figure:
     Filled with strength that is lost by slip.  Lines: equality, and 27 and 225 % of Wartman, Seed and Bray (2005).
     """
     figure = Figure(figsize=(WIDTH, 3.3), layout="constrained")
-    axes, span = figure.subplots(1, 2, sharey=True), np.array([LEAST, 40.0])
+    axes, span = figure.subplots(1, 2, sharey=True), np.array([LEAST, 100.0])
     for ax, (block, said) in zip(axes, BLOCKS.items(), strict=True):
         for share, dashes in ((1.0, "-"), (PUBLISHED[0], ":"), (PUBLISHED[1], ":")):
             ax.plot(span, span / share, color="0.5", linewidth=0.7, linestyle=dashes)
