@@ -74,4 +74,7 @@ def test_a_folder_without_records_is_refused(tmp_path: Path, capsys: pytest.Capt
 def test_the_measured_table_holds_every_record_once() -> None:
     measured = read_blocks()
     assert not measured.duplicated(["slope", "strength", "record", "peak_ratio"]).any()
-    assert (measured["yield_acceleration"] > 0.0).all() and set(measured["status"]) <= {"complete", "unfailed"}
+    assert (measured["yield_acceleration"] > 0.0).all() and set(measured["status"]) <= {"complete", "unfailed", "diverged"}
+    left = measured[measured["status"] == "diverged"]  # debris left the box, as the page says
+    assert set(zip(left["slope"], left["strength"], strict=True)) == {("gentle_layered", "strength lost by slip")} and len(left) == 5
+    assert not set(left.index) & set(compared(measured).index), "no ratio is made of them"
