@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import scipy  # type: ignore[import-untyped]
@@ -12,8 +12,11 @@ from sph.checks.finding import Finding, finding
 from sph.checks.layers import MIN_IN_LAYER, layers_of
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_line import GroundLine
+from sph.scene.loading import motion_of
+from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.solver.particles import place_particles
+from sph.stability.newmark import sliding_block
 from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium
 from sph.stability.slip_surface import soil_along
 from sph.stability.standing import slope_height, weakened, with_strength
@@ -119,6 +122,27 @@ def of_residual(scene: Scene) -> list[Finding]:
     if equilibrium is None:
         return []
     return [finding("limit-equilibrium-residual", **equilibrium_numbers(equilibrium), **strength_ratios(scene))]
+
+
+def runs_away(scenes: Mapping[str, Scene], strength: float) -> dict[str, Finding]:
+    """A note for each scene of one slope and one residual strength, by name, that fails in its shaking by limit equilibrium: a rigid block
+    with Spencer's yield ``strength`` (m/s2) slips farther than its soils need to lose theirs, and without that the slope does not stand.
+
+    Only where strength is lost by slip, under shaking that ends.
+    """
+    first = next(iter(scenes.values()))
+    slips = [of.softening.slip_at_residual for of in first.materials if of.softening is not None and of.softening.slip_at_residual]
+    if not slips or not strength > 0.0 or isinstance(first.motion, (NoMotion, ConstantAcceleration)):
+        return {}
+    needed, slipped = max(slips), dict[str, float]()
+    for name, scene in scenes.items():
+        motion = motion_of(scene)
+        slipped[name] = sliding_block(motion.time, motion.acceleration, strength).permanent
+    if max(slipped.values()) <= needed:
+        return {}
+    left = next((each.numbers["spencer"] for each in of_residual(first)), math.inf)
+    away = {name: slip for name, slip in slipped.items() if slip > needed and left < 1.0}
+    return {name: finding("block-runs-away", value=slip, bound=needed, strength=strength, residual=left) for name, slip in away.items()}
 
 
 def strength_ratios(scene: Scene) -> dict[str, Any]:

@@ -153,7 +153,7 @@ def _at_residual(of: Numbers) -> str:
 def _ratios(of: Numbers) -> str:
     """The strength ratios that decide a residual strength; nothing where it is given directly."""
     own = [f"{name.split('.')[1]} {value:g}" for name, value in of.items() if name.startswith("layers.")]
-    said = ", ".join([f"{of['S_R']:g}"] * ("S_R" in of) + own)
+    said = ", ".join(([f"{of['S_R']:g}"] if "S_R" in of else []) + own)
     return f" (strength ratio {said})" if said else ""
 
 
@@ -224,6 +224,14 @@ def factor_words(of: Numbers) -> str:
     """The factors of safety of both methods of limit equilibrium, and where the surfaces lie."""
     bishop = f"{of['bishop']:.2f} (circle)" if "bishop" in of else "not found"
     return f"Bishop {bishop}, Spencer {of['spencer']:.2f} ({_surface(of, 'spencer')})"
+
+
+def block_words(of: Numbers) -> str:
+    """How far a rigid block slips, and what that does to the slope."""
+    return (
+        f"with Spencer's yield acceleration of {in_both(of['strength'])} a rigid block slips {of['value']:.3g} m, strength is lost within "
+        f"{of['bound']:.3g} m, and at residual strength the factor of safety is {of['residual']:.2f}"
+    )
 
 
 def yield_words(of: Numbers) -> str:
@@ -359,6 +367,13 @@ MESSAGES: dict[str, Message] = {
         ),
         _reasons,
         meaning="the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons",
+    ),
+    "block-runs-away": note(
+        "by limit equilibrium the slope fails in this shaking, and a run in which it stands has too few rows of particles in the soil that "
+        "should slide: take a smaller numerics.spacing",
+        block_words,
+        meaning="a rigid block with Spencer's yield acceleration slips farther than the soil needs to lose its strength, without which the "
+        "slope does not stand",
     ),
     "factor-below-1": warning(
         "by limit equilibrium the slope does not stand without shaking, so that its failure would not be due to the earthquake",

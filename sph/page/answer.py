@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks.after_run import BRAKED, at_least, is_bounded, is_braked, is_open
-from sph.checks.messages import Severity, braked_words, factor_words, sentence, yield_words
+from sph.checks.messages import Severity, block_words, braked_words, factor_words, sentence, yield_words
 from sph.experiments.variants.advice import expected_sentence
 from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
@@ -56,6 +56,8 @@ ANNUAL = "*/trigger/fragility_annual.csv"
 """How often a year, where a hazard curve was given."""
 CLAIMS, TRIGGER_CLAIM = "{fidelity}/claims.csv", "*/trigger/claim.csv"
 """The claims of a paper as the study decides them, and the one that a search decides, of the study of such claims."""
+AWAY = "block-runs-away"
+"""The finding of limit equilibrium that a slope fails in the shaking of a run."""
 STANDS = "stands-unshaken"
 """The finding of a static test before the runs."""
 SPACINGS = "{fidelity}/spacing.csv"
@@ -150,11 +152,16 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
     elif ALTERNATIVE in runs and not (runs[ALTERNATIVE] == BASE).any():  # those of the scene as it is are still to come
         level = f"With {' or '.join(map(str, runs[ALTERNATIVE].unique()))}, {level[0].lower()}{level[1:]}"
     known = runs[runs["diverged"] == 0]
+    should = [row for row in rows if row.finding.code == AWAY and row.worst_run in runs.index]
     fail, collapse = (int(known["collapse_class"].isin(classes).sum()) for classes in (CLASSES[1:], CLASSES[-1:]))
     if known.empty:
         words = [f"{level} every run diverged: there is no result"]
     elif not fail:
         words = [f"{level} no run fails" + f", but soil that would move is braked: {why}" * bool(why)]
+        if should:
+            words.append(
+                f"by limit equilibrium it should fail: {block_words(should[0].finding.numbers)}. Run it with more rows of particles"
+            )
     else:
         if len(known) == 1:
             words = [f"{level} the slope {'collapses' if collapse else 'fails'}"]
@@ -168,7 +175,8 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     places = places_in(table.columns) if len(known) else ()
-    more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places]
+    more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places if fail or not should]
+    more += [f"{place}: not known, as long as runs stand that should fail" for place in places if should and not fail]
     return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
 
 

@@ -54,6 +54,9 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row], missing: int = 0) -> tupl
             f"not certain in {narrow} of {size} runs",
             "it stands in a static test, but its factor of safety does not exceed 1 by more than its error",
         )
+    by_slices = min((row.finding.numbers["spencer"] for row in rows if row.finding.code == "limit-equilibrium"), default=math.inf)
+    if tested and by_slices < 1.0:
+        return "not certain", f"it stands in a static test, but by Spencer's method its factor of safety is {by_slices:.2f}"
     return ("stands", "by a static test") if tested else (NOT_TESTED, "sph check --stability")
 
 

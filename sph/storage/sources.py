@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import json
 import os
 import sys
 from collections.abc import Iterable
@@ -16,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from sph.scene.strict_json import parse_json, to_json
 from sph.storage.files import whole
 
 WORDS: dict[str, tuple[int | str, ...]] = {
@@ -78,7 +78,7 @@ def _kept() -> dict[str, str]:
     with suppress(OSError, RuntimeError, ValueError, TypeError), _place().open("rb") as file:
         found = os.fstat(file.fileno())
         if not hasattr(os, "getuid") or found.st_uid == os.getuid() and not found.st_mode & 0o022:
-            return dict(json.load(file))
+            return dict(parse_json(file.read().decode()))
     return {}
 
 
@@ -89,7 +89,7 @@ def _keep() -> None:
             latest = [*(_kept() | _known).items()][-MAX_KEPT:]
             with whole(_place()) as temporary:
                 temporary.touch(0o600)
-                temporary.write_text(json.dumps(dict(latest)), encoding="utf-8")
+                temporary.write_text(to_json(dict(latest)), encoding="utf-8")
 
 
 def _syntax(part: Any) -> str:

@@ -197,13 +197,14 @@ def study_limits(
 ) -> list[Row]:
     """The limits of the slopes of a study, by ``searches`` of ``QUESTIONS`` and by limit equilibrium, of those that stand as ``tested`` by
     ``study_stability``: of the first, and of others until that has taken ``LONGEST``."""
-    slopes: dict[str, list[str]] = {}
+    slopes: dict[str, list[list[str]]] = {}  # of each the runs by residual strength
     for (peak_key, _), names in _slopes(scenes).runs.items():
-        slopes.setdefault(peak_key, []).extend(names)
+        slopes.setdefault(peak_key, []).append(names)
     falling = {row.worst_run for row in tested if row.finding.code == "fails-unshaken"}
     by_finding: dict[Finding, list[str]] = {}
     spent, unsearched = 0.0, list[str]()
-    for names in slopes.values():
+    for groups in slopes.values():
+        names = [name for group in groups for name in group]
         scene = scenes[names[0]]
         if names[0] in falling or not searches:
             continue
@@ -229,10 +230,11 @@ def study_limits(
             by_finding.setdefault(each, []).extend(names)
         strength = next((each.numbers["critical"] for each in told if "critical" in each.numbers), 0.0)
         turned = other_direction({name: scenes[name] for name in names}, strength)
-        if turned:  # one finding, of the run in which it matters most
-            worst = min(turned, key=lambda name: turned[name].rank)
-            say(f"{worst}: {line(turned[worst])}")
-            by_finding.setdefault(turned[worst], []).extend([worst, *(name for name in turned if name != worst)])
+        for met in (turned, *(equilibrium.runs_away({name: scenes[name] for name in group}, strength) for group in groups)):
+            if met:  # one finding, of the run in which it matters most
+                worst, first = min(met.items(), key=lambda each: each[1].rank)
+                say(f"{worst}: {line(first)}")
+                by_finding.setdefault(first, []).extend([worst, *(name for name in met if name != worst)])
     if unsearched:
         by_finding[finding("stability-unknown", subject="limits of further slopes")] = unsearched
     return _rows(by_finding)

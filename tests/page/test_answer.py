@@ -209,6 +209,15 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
     held = said(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
     assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")
+    away = Row(finding("block-runs-away", value=0.417, bound=0.1, strength=0.39, residual=0.36), 3, "5")
+    stable = runs.assign(collapse_class="stable").set_index(runs.index.astype(str))
+    assert said(stable, [away]) == (
+        "At 4 m/s2 (0.408 g) no run fails; by limit equilibrium it should fail: with Spencer's yield acceleration of 0.39 m/s2 (0.0398 g) "
+        "a rigid block slips 0.417 m, strength is lost within 0.1 m, and at residual strength the factor of safety is 0.36. "
+        "Run it with more rows of particles. "
+        "road: not known, as long as runs stand that should fail. house: not known, as long as runs stand that should fail."
+    )
+    assert said(bare.set_index(bare.index.astype(str)), [away]).startswith(fails), "it does"
     assert said(bare.assign(runout=math.nan), []) == f"{fails}.", "a block has no run-out"
     assert said(bare[4:5], []) == "At 4 m/s2 (0.408 g) the slope collapses; debris runs up to 14.0 m beyond the toe."
     assert said(bare.drop(columns="amplitude")[:2], []) == "In this study no run fails."

@@ -18,6 +18,7 @@ from sph.scene.ground_line import GroundLine
 from sph.scene.survey import HIGHEST, LOWEST, NODATA, read_line, read_outline
 from sph.scene.water import Water
 
+MOTION = Path(__file__).resolve().parents[2] / "config" / "motions" / "synthetic.csv"
 Line = list[tuple[float, float]]
 LINE = [(120.0, 440.0), (150.0, 440.5), (170.0, 465.0)]
 FEATURE = {"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": LINE}}
@@ -342,7 +343,7 @@ def test_every_refusal_names_the_file_and_the_row(tmp_path: Path) -> None:
             with pytest.raises(ValueError, match=rf"line\.csv: {row}"):
                 validated(section, {"file": str(file)} | keys, "scene.yaml")
         with pytest.raises(ValueError, match=rf"line\.csv: {row}"):
-            write_new(Known(file, [file]), tmp_path / "out")
+            write_new(Known(file, [MOTION]), tmp_path / "out")
     file.write_text("x,z\n0,1\n9,2\n9,3\n")
     with pytest.raises(ValueError, match=r"line\.csv: line 4.*vertical"):
         validated(Water, {"file": str(file), "pressure": "by_place"}, "scene.yaml")

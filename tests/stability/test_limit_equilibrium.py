@@ -10,14 +10,16 @@ import numpy as np
 import pytest
 from scipy.optimize import brute
 
-from sph.checks.equilibrium import factor_below_1, found_equilibrium, of_equilibrium, slip_at_base
+from sph.checks.equilibrium import factor_below_1, found_equilibrium, of_equilibrium, of_residual, runs_away, slip_at_base
 from sph.checks.finding import Finding, finding
 from sph.checks.messages import line, sentence, words
 from sph.command.check import check, equilibrium_rows
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
+from sph.scene.loading import motion_of
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
+from sph.stability.newmark import sliding_block
 from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
 
@@ -305,6 +307,33 @@ def test_a_slope_that_does_not_stand_is_told_the_strength_with_which_it_does() -
     (thin,) = factor_below_1(layered := clay(layers=cover), found_equilibrium(layered))
     assert (thin.subject, thin.keys[0]) == ("cover", "layers.cover.soil.cohesion")
     assert factor_below_1(clay(), None) == []
+
+
+def test_the_limit_equilibrium_of_residual_strengths_names_the_ratios_that_decide() -> None:
+    layers = {"top": {"region": {"kind": "depth", "bottom": 2.0}, "soil": {"cohesion": 40.0}, "S_R": 0.25}}
+    given = {"soil.residual_cohesion": 12.5, "soil.residual_friction_angle": 0.0}
+    for scene, ratios in (
+        (clay(), " (strength ratio 0.5)"),
+        (clay(layers=layers), " (strength ratio 0.5, top 0.25)"),
+        (clay(**given), ""),
+    ):
+        (told,) = of_residual(scene)
+        assert words(told).what == f"limit equilibrium at the residual strength{ratios}"
+
+
+def test_a_slope_whose_block_slips_farther_than_its_strength_lasts_should_fail() -> None:
+    """Above 1 at the peak and half of it at the residual strength, lost within 0.2 m."""
+    motion = {"kind": "tapered_sine", "amplitude": 4.0, "frequency": 1.0, "start": 3.0, "ramp": 1.0, "decay_start": 6.0, "end": 7.0}
+    shaken = {"a": clay(motion=motion), "b": clay(motion=motion | {"amplitude": 6.0}), "c": clay(motion=motion | {"amplitude": 1.0})}
+    found = runs_away(shaken, 1.0)
+    assert set(found) == {"a", "b"} and runs_away(shaken, 7.0) == {} == runs_away(shaken, 0.0)
+    of, made = found["a"].numbers, motion_of(shaken["a"])
+    assert of["value"] == sliding_block(made.time, made.acceleration, 1.0).permanent > of["bound"] == 0.2
+    assert of["residual"] == pytest.approx(0.5 * limit_equilibrium(clay()).spencer.value, rel=EXACT) and of["residual"] < 1.0
+    assert "a rigid block slips" in line(found["b"]) and found["b"].severity == "note"
+    assert runs_away({"stands": clay(**{"motion": motion, "coupling.S_R": 0.95})}, 1.0) == {}, "at its residual strength"
+    by_time = clay(motion=motion, coupling={"S_R": 0.5, "gamma": 1.0, "softening": None})
+    assert runs_away({"by time": by_time}, 1.0) == {} == runs_away({"calm": clay()}, 1.0)
 
 
 @pytest.mark.parametrize(
