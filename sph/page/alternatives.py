@@ -18,7 +18,7 @@ from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE, Dimension, title_of
 from sph.study.preflight import Row
 
-MORE = " more movement"
+MORE = " farther"
 NOTICED = 0.5
 """Percent of the displacement below which nothing is saved."""
 
@@ -158,7 +158,7 @@ def _which(outcomes: Mapping[str, bool | str], verb: str, what: str) -> str:
 
 def _saves(name: str, words: str) -> str:
     """What an alternative saves of the displacement, by the ``words`` of ``saved``."""
-    return f"{name} {'has' if words.endswith(MORE) else 'saves'} {words.replace(AT_LEAST, 'at least ')}"
+    return f"{name} {'moves' if words.endswith(MORE) else 'saves'} {words.replace(AT_LEAST, 'at least ')}"
 
 
 def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:

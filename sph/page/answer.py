@@ -118,7 +118,7 @@ def answer(
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     first, *places = lead(table, rows, why, missing)
-    beside = verdict(strongest(table), dimensions)
+    beside = "" if contradicted(as_it_is(strongest(table)), rows) else verdict(strongest(table), dimensions)
     return Answer(
         [_raised(words) for words in (first, beside, *places) if words],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
@@ -152,7 +152,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
     elif ALTERNATIVE in runs and not (runs[ALTERNATIVE] == BASE).any():  # those of the scene as it is are still to come
         level = f"With {' or '.join(map(str, runs[ALTERNATIVE].unique()))}, {level[0].lower()}{level[1:]}"
     known = runs[runs["diverged"] == 0]
-    should = [row for row in rows if row.finding.code == AWAY and row.worst_run in runs.index]
+    should = contradicted(runs, rows)
     fail, collapse = (int(known["collapse_class"].isin(classes).sum()) for classes in (CLASSES[1:], CLASSES[-1:]))
     if known.empty:
         words = [f"{level} every run diverged: there is no result"]
@@ -175,9 +175,15 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     places = places_in(table.columns) if len(known) else ()
-    more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places if fail or not should]
-    more += [f"{place}: not known, as long as runs stand that should fail" for place in places if should and not fail]
+    more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places if not should]
+    more += [f"{place}: not known, as long as runs stand that should fail" for place in places if should]
     return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
+
+
+def contradicted(runs: pd.DataFrame, rows: Sequence[Row]) -> list[Row]:
+    """The findings of limit equilibrium by which some of the runs should fail, where none does."""
+    stands = not runs.loc[runs["diverged"] == 0, "collapse_class"].isin(CLASSES[1:]).any()
+    return [row for row in rows if stands and row.finding.code == AWAY and row.worst_run in runs.index]
 
 
 def strongest(table: pd.DataFrame) -> pd.DataFrame:

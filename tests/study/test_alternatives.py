@@ -196,7 +196,7 @@ def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
     (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, at_rest=[1, 1, 1, 0, 1, 1]), DIMENSIONS, "A")
     assert found.rows[1][7].startswith(f"unknown: as it is {braked}, and with it soil still moves")
     (found,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.0, 12.0, 0.0, 0.1]), DIMENSIONS, "A")
-    assert found.rows[1][7] == "2.00 m (20 %) more movement"
+    assert found.rows[1][7] == "2.00 m (20 %) farther"
     (found,) = compared(table_of(diverged=[0, 0, 1, 1, 0, 1]), DIMENSIONS, "A")
     assert found.rows[1][1] == "diverged" and found.rows[2][5:8] == ("–", "–", "–")
 
@@ -212,7 +212,7 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
     moved = {"displacement_magnitude": [0.0, 10.0, 0.0, 3.6, 0.0, 10.0]}
     assert said(**fails, **moved) == f"{neither}of the displacement drained saves 6.40 m (64 %) and buttress saves nothing."
     moved = {"displacement_magnitude": [0.0, 10.0, 0.0, 3.6, 0.0, 12.0]}
-    assert said(**fails, **moved).endswith(" and buttress has 2.00 m (20 %) more movement.")
+    assert said(**fails, **moved).endswith(" and buttress moves 2.00 m (20 %) farther.")
     braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
     one = said(findings=[""] * 5 + ["layer-held"])
     assert one.startswith(
