@@ -195,8 +195,8 @@ def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = pr
 def study_limits(
     scenes: Mapping[str, Scene], tested: Sequence[Row], say: Callable[[str], None] = print, searches: Sequence[str] = tuple(QUESTIONS)
 ) -> list[Row]:
-    """The limits of the slopes of a study, by ``searches`` of ``QUESTIONS`` and by limit equilibrium, of those that stand as ``tested`` by
-    ``study_stability``: of the first, and of others until that has taken ``LONGEST``."""
+    """The limits of the slopes of a study that do not fall as ``tested`` by ``study_stability``: by ``searches`` of ``QUESTIONS``, of the
+    first slope, and of others until that has taken ``LONGEST``; and by limit equilibrium, without searches too."""
     slopes: dict[str, list[list[str]]] = {}  # of each the runs by residual strength
     for (peak_key, _), names in _slopes(scenes).runs.items():
         slopes.setdefault(peak_key, []).append(names)
@@ -206,19 +206,19 @@ def study_limits(
     for groups in slopes.values():
         names = [name for group in groups for name in group]
         scene = scenes[names[0]]
-        if names[0] in falling or not searches:
+        if names[0] in falling:
             continue
-        if spent > LONGEST:
+        limits = list[Finding]()
+        if searches and spent <= LONGEST:
+            of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
+            for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
+                say(f"{names[0]}: {line(broken)}")
+                by_finding.setdefault(broken, []).extend(names)
+            limits = [of_limit(code, scene, QUICK_TOLERANCE, quick_spacings(scene)) for code in searches]
+        elif searches:
             unsearched += names
-            if len(slopes) <= MAX_SLOPES:  # limit equilibrium takes a second
-                for each in equilibrium.of_equilibrium(scene):
-                    by_finding.setdefault(each, []).extend(names)
+        if not limits and len(slopes) > MAX_SLOPES:  # limit equilibrium takes a second
             continue
-        of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
-        for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
-            say(f"{names[0]}: {line(broken)}")
-            by_finding.setdefault(broken, []).extend(names)
-        limits = [of_limit(code, scene, QUICK_TOLERANCE, quick_spacings(scene)) for code in searches]
         for limit in limits:
             tests = (limit.numbers.get(name, most) for name, most in zip(("coarse_tests", "fine_tests"), QUICK_TRIALS, strict=True))
             spent += search_seconds(scene, list(tests))

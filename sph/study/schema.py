@@ -129,8 +129,8 @@ class Study(Section):
     )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
     searches: Literal["full", "quick", "none"] = key(
-        "what is found of the unshaken slopes beside the runs; none: nothing; quick: static tests, the factor of safety at coarse spacings "
-        "and limit equilibrium; full: also the yield acceleration of every slope with particles, and by it the sliding block",
+        "what is found of the unshaken slopes beside the runs; none: limit equilibrium alone; quick: also static tests and the factor of "
+        "safety at coarse spacings; full: also the yield acceleration of every slope with particles, and by it the sliding block",
         default="full",
     )
     on_error: Literal["stop", "go_on"] = key(
