@@ -126,12 +126,14 @@ def of_residual(scene: Scene) -> list[Finding]:
 
 def runs_away(scenes: Mapping[str, Scene], strength: float) -> dict[str, Finding]:
     """A note for each scene of one slope and one residual strength, by name, that fails in its shaking by limit equilibrium: a rigid block
-    with Spencer's yield ``strength`` (m/s2) slips farther than its soils need to lose theirs, and without that the slope does not stand.
+    with Spencer's yield ``strength`` (m/s2) slips farther than its soils and seams need to lose theirs, without which it does not stand.
 
     Only where strength is lost by slip, under shaking that ends.
     """
     first = next(iter(scenes.values()))
-    slips = [of.softening.slip_at_residual for of in first.materials if of.softening is not None and of.softening.slip_at_residual]
+    ends = [of.softening.slip_at_residual for of in first.materials if of.softening is not None]
+    ends += [seam.slip_at_residual for seam in first.seams.values()]
+    slips = [end for end in ends if end is not None]
     if not slips or not strength > 0.0 or isinstance(first.motion, (NoMotion, ConstantAcceleration)):
         return {}
     needed, slipped = max(slips), dict[str, float]()

@@ -36,9 +36,9 @@ NOT_TESTED, NOT_SEARCHED = "not tested", "not searched"
 """What is said of a limit that was not asked for, which a client is not told."""
 
 
-def unshaken(table: pd.DataFrame, rows: Sequence[Row], missing: int = 0) -> tuple[str, str]:
-    """Whether the slopes of the runs, of those that are ``missing`` too, stand without shaking by the static tests before the runs, and
-    whether soil softened in the runs before it."""
+def unshaken(table: pd.DataFrame, rows: Sequence[Row], missing: int = 0, spencer: float = math.inf) -> tuple[str, str]:
+    """Whether the slopes of the runs, of those that are ``missing`` too, stand without shaking by the static tests before the runs and by
+    the least factor of safety of ``spencer``, and whether soil softened in the runs before it."""
     runs, size = len(table), len(table) + missing
     fail = sum(row.runs for row in rows if row.finding.code == "fails-unshaken")
     soften = int((table["status"] == Status.FAILED_UNSHAKEN).sum())
@@ -54,9 +54,8 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row], missing: int = 0) -> tupl
             f"not certain in {narrow} of {size} runs",
             "it stands in a static test, but its factor of safety does not exceed 1 by more than its error",
         )
-    by_slices = min((row.finding.numbers["spencer"] for row in rows if row.finding.code == "limit-equilibrium"), default=math.inf)
-    if tested and by_slices < 1.0:
-        return "not certain", f"it stands in a static test, but by Spencer's method its factor of safety is {by_slices:.2f}"
+    if tested and spencer < 1.0:
+        return "not certain", f"it stands in a static test, but by Spencer's method its factor of safety is {spencer:.2f}"
     return ("stands", "by a static test") if tested else (NOT_TESTED, "sph check --stability")
 
 

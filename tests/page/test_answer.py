@@ -12,7 +12,7 @@ import pytest
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import held_back, lead
-from sph.page.facts import at_places, at_residual, yearly
+from sph.page.facts import at_places, at_residual, unshaken, yearly
 from sph.page.levels import levels, widths
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
@@ -178,6 +178,13 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
     assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; in SPH it stands in 2 of 6 runs"
     assert at_residual(weak[:1])[0][1] == "in SPH it stands in 0 of 4 runs", "a scene without slices"
     assert at_residual([]) == []
+
+
+def test_a_static_test_against_limit_equilibrium_is_not_certain() -> None:
+    runs, rows = RUNS.assign(status="complete"), [Row(finding("stands-unshaken", spacing=1.0, run_spacing=1.0), 6, "a")]
+    assert unshaken(runs, rows) == unshaken(runs, rows, 0, 1.08) == ("stands", "by a static test")
+    words, how = unshaken(runs, rows, 0, 0.86)
+    assert words == "not certain" and how.endswith("by Spencer's method its factor of safety is 0.86")
 
 
 def test_the_lead_says_what_the_strongest_shaking_does() -> None:
