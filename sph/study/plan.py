@@ -122,7 +122,8 @@ class Plan:
     def second_runs(self) -> list[PlannedRun]:
         """Stages and runs at the second fidelity."""
         runs = [run for run in self.second.shared if run.kind != Kind.SEARCH] if self.second else []
-        return [run._replace(group=f"{run.group} at {self.study.second_fidelity}") for run in runs]
+        at = f"fidelity {self.study.second_fidelity}"
+        return [run._replace(group=f"{run.group} at {at}", target=at) for run in runs]
 
     @property
     def slope(self) -> PlannedRun:
