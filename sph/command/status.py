@@ -49,6 +49,12 @@ LISTED = 10
 """Most jobs of a state that are named."""
 CLEAR = "\x1b[H\x1b[J"
 """Empties a terminal."""
+LOCKS = ".snakemake/locks"
+"""What Snakemake keeps in a working folder while it is at work there, and leaves when it is killed."""
+LOCKED = (
+    "Snakemake is starting or was killed, which leaves this folder locked; if none is at work here: your snakemake command once with --unlock "
+    "added, then without it and with --rerun-incomplete"
+)
 TITLES = {
     Kind.GRAVITY: "gravity stage",
     Kind.PRE_FAILURE: "shaking to the first failure",
@@ -122,7 +128,10 @@ def status(given: Path | None, configfile: Path | None, watching: bool, as_json:
         return None
     states = look_again()
     told = catalogue.plan, states, look_beside(catalogue.plan, catalogue.base)
-    return to_json(record(*told), indent=1) if as_json else "\n".join(lines(*told))
+    if as_json:
+        return to_json(record(*told), indent=1)
+    idle = not any(each.state == Stand.RUNNING for each in (*states, *told[-1]))
+    return "\n".join([*lines(*told), *[LOCKED] * (idle and any((catalogue.base / LOCKS).glob("*.lock")))])
 
 
 def look_at(runs: Sequence[PlannedRun], base: Path) -> list[State]:

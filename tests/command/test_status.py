@@ -281,6 +281,15 @@ def test_what_goes_on_beside_the_simulations_is_named(study: Folder) -> None:
     assert refused.exit_code == REFUSED and "no run is done yet; at work: check" in refused.stderr
 
 
+def test_a_killed_snakemake_leaves_a_lock_and_the_way_out_is_told(study: Folder) -> None:
+    (study.base / ".snakemake" / "locks").mkdir(parents=True)
+    assert "--unlock" not in call(study.path).stdout, "nothing is locked"
+    (study.base / ".snakemake" / "locks" / "0.output.lock").touch()
+    assert "--unlock" in call(study.path).stdout.splitlines()[-1]
+    study.log("gravity", HERE)
+    assert "--unlock" not in call(study.path).stdout, "by a snakemake that is at work"
+
+
 def call(*arguments: object) -> Any:
     return CliRunner().invoke(app, ["status", *map(str, arguments)])
 
