@@ -52,8 +52,8 @@ CLEAR = "\x1b[H\x1b[J"
 LOCKS = ".snakemake/locks"
 """What Snakemake keeps in a working folder while it is at work there, and leaves when it is killed."""
 LOCKED = (
-    "Snakemake is starting or was killed, which leaves this folder locked; if none is at work here: your snakemake command once with --unlock "
-    "added, then without it and with --rerun-incomplete"
+    "Snakemake is starting or was killed, which leaves this folder locked; if none is at work here: your snakemake command once with "
+    "--unlock added, then without it and with --rerun-incomplete"
 )
 TITLES = {
     Kind.GRAVITY: "gravity stage",
