@@ -127,11 +127,11 @@ def status(given: Path | None, configfile: Path | None, watching: bool, as_json:
         watch(catalogue.plan, look_again, catalogue.base)
         return None
     states = look_again()
-    told = catalogue.plan, states, look_beside(catalogue.plan, catalogue.base)
+    others = look_beside(catalogue.plan, catalogue.base)
     if as_json:
-        return to_json(record(*told), indent=1)
-    idle = not any(each.state == Stand.RUNNING for each in (*states, *told[-1]))
-    return "\n".join([*lines(*told), *[LOCKED] * (idle and any((catalogue.base / LOCKS).glob("*.lock")))])
+        return to_json(record(catalogue.plan, states, others), indent=1)
+    idle = Stand.RUNNING not in [*(each.state for each in states), *(each.state for each in others)]
+    return "\n".join([*lines(catalogue.plan, states, others), *[LOCKED] * (idle and any((catalogue.base / LOCKS).glob("*.lock")))])
 
 
 def look_at(runs: Sequence[PlannedRun], base: Path) -> list[State]:
