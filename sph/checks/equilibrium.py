@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import scipy  # type: ignore[import-untyped]
@@ -71,7 +72,8 @@ def of_equilibrium(scene: Scene, limits: Iterable[Finding] = ()) -> list[Finding
         spencer = equilibrium.spencer.value
         if abs(value / spencer - 1.0) > max(MAX_DIFFERENCE, error / spencer):
             reasons = _reasons(scene, equilibrium, value / spencer - 1.0)
-            told.append(finding("limit-equilibrium-differs", value=value, error=error, bound=spencer, **reasons))
+            differs = finding("limit-equilibrium-differs", value=value, error=error, bound=spencer, **reasons)
+            told.append(replace(differs, keys=("numerics.spacing",)) if differs.counts else differs)
     return told
 
 

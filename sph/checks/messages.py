@@ -248,6 +248,11 @@ def _reasons(of: Numbers) -> str:
     return "{value:.2f} ± {error:.2f} and {bound:.2f}: " + (known or "no reason is known: look at both slip surfaces")
 
 
+def _contradicts(of: Numbers) -> bool:
+    """Whether a slope stands by its factor of safety by SPH and does not by Spencer's."""
+    return of["value"] >= 1.0 > of["bound"]
+
+
 def listed(names: Sequence[str], last: str = "and") -> str:
     """Names in words: a, b and c."""
     return f" {last} ".join(filter(None, (", ".join(names[:-1]), names[-1])))
@@ -316,7 +321,7 @@ MESSAGES: dict[str, Message] = {
         "to stand",
     ),
     "stands-unshaken": note(
-        "the slope without shaking, at peak strength",
+        "static test of the slope with particles, at peak strength",
         lambda of: "stands " + _at(of),
         meaning="the slope stands at its peak strength without shaking",
     ),
@@ -360,13 +365,16 @@ MESSAGES: dict[str, Message] = {
         factor_words,
         meaning="factor of safety by limit equilibrium at the strength that failed soil keeps",
     ),
-    "limit-equilibrium-differs": note(
+    "limit-equilibrium-differs": Message(
+        lambda of: WARNING if _contradicts(of) else NOTE,
         lambda of: (
             f"the factor of safety by SPH lies {abs(off := of['value'] / of['bound'] - 1.0):.0%} "
-            f"{'above' if off > 0.0 else 'below'} Spencer's"
+            f"{'above' if off > 0.0 else 'below'} Spencer's" + ", by which the slope does not stand" * _contradicts(of)
         ),
         _reasons,
-        meaning="the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons",
+        lambda of: "to agree at a smaller spacing; until it does, trust Spencer's and mend the slope or its strength" * _contradicts(of),
+        meaning="the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons; a warning where the slope "
+        "stands by SPH alone",
     ),
     "block-runs-away": note(
         "by limit equilibrium the slope fails in this shaking, and a run in which it stands has too few rows of particles in the soil that "

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sph
 from sph.checks.equilibrium import equilibrium_numbers, factor_below_1, found_equilibrium, slip_at_base, without_surface
-from sph.checks.finding import Finding, called
+from sph.checks.finding import Finding, called, finding
 from sph.checks.layers import Layer, layers_of, needed_rows, seam_rows
 from sph.checks.liquefaction import of_liquefaction
 from sph.checks.messages import factor_words, line, record, yield_words
@@ -174,14 +174,19 @@ def new_findings(told: Sequence[Finding], known: Sequence[Finding]) -> list[Find
 
 
 def further(variants: Mapping[str, Mapping[str, Check]], known: Sequence[Finding]) -> Variants:
-    """Errors and warnings of variants of a scene, besides what is ``known`` of the scene as it is."""
-    return {section: {name: new_findings(each.findings, known) for name, each in of.items()} for section, of in variants.items()}
+    """Errors and warnings of variants of a scene, besides what is ``known`` of the scene as it is; limit equilibrium of alternatives."""
+    told = {section: {name: new_findings(each.findings, known) for name, each in of.items()} for section, of in variants.items()}
+    for name, each in variants["alternatives"].items():
+        if each.equilibrium is not None:
+            told["alternatives"][name].insert(0, finding("limit-equilibrium", **equilibrium_numbers(each.equilibrium)))
+    return told
 
 
 def other_lines(others: Variants) -> list[str]:
-    """A line for each finding in a fidelity and in an alternative, and for one without more."""
+    """A line for each finding in a fidelity, an alternative and a motion, and for one without more than notes."""
     named = {f"fidelity {name}": told for name, told in others["fidelities"].items()} | others["alternatives"] | others.get("motions", {})
-    return [f"{name}: {said}" for name, told in named.items() for said in (list(map(line, told)) or ["no further warnings"])]
+    none = ["no further warnings"]
+    return [f"{name}: {said}" for name, of in named.items() for said in [*map(line, of), *none * (not any(each.counts for each in of))]]
 
 
 def told_lines(told: Sequence[Finding]) -> list[str]:

@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sph.command.status import Stand, State, look_at
+from sph.command.status import BESIDE, Stand, State, look_at, speeds, tests_left
 from sph.command.study import find_study
 from sph.jobs.ahead import AT_ONCE, TOGETHER
 from sph.scene.configuration import merge
@@ -32,7 +32,7 @@ from sph.solver.simulation import Simulation
 from sph.study.cost import CARD_RATE, CARD_START, CARD_STEP, COMPILE, PROCESS, START, TAKE_UP, Cost, cost, job_cost
 from sph.study.machine import duration
 from sph.study.plan import Plan
-from sph.study.preflight import MAX_SCENES, preflight_searches, preflight_seconds
+from sph.study.preflight import plan_seconds
 from sph.study.runs import SIMULATION, Kind
 
 CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
@@ -42,9 +42,6 @@ BLOCKS, COPIES = 10, 64
 MIB = 2.0**20
 TABLES, TABLES_A_RUN = 18.0, 0.1
 """Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
-
-CHECKED, PREFLIGHT_FILE = "checked.csv", "preflight.csv"
-"""What the static tests of a study write, and the searches for limits of its slopes after them."""
 
 
 class Speed(NamedTuple):
@@ -74,6 +71,7 @@ class StudyCost(NamedTuple):
     steps: int  # of the longest run
     run: float  # s, the longest run from its gravity stage to its end
     shared: float  # s on one core, of the stages that runs share: gravity, and the shaking up to the first failure
+    searches: float  # s on one core, of static tests and the searches for limits of the slopes
     computing: float  # s on one core, of everything
     left: float  # s on one core, of jobs that are not done
     wall: float  # s on the cores, of what is left, the preflight included
@@ -114,10 +112,9 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         TAKE_UP if of_card and state.job.run.by == SIMULATION else _started(part, state, start) + part.seconds / known.value
         for state, part in costs
     ]
-    checked = {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
-    tests, limits = preflight_seconds(checked, preflight_searches(plan.study.searches, bool(plan.searches)))
-    checks = {CHECKED: start + tests / known.value, PREFLIGHT_FILE: start + limits / known.value}
-    test_left, limits_left = (0.0 if (base / plan.folder / file).exists() else time for file, time in checks.items())
+    tests = dict(zip(BESIDE, plan_seconds(plan), strict=True))
+    checks = {job: start + seconds / known.value for job, seconds in tests.items()}
+    checks_left = sum(checks[job] for job in tests_left(plan, base))
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
     slowest: dict[Kind, float] = {}
     for state, time in zip(states, times, strict=True):
@@ -127,7 +124,7 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     longest = max((part for state, part in costs if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
     runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
-    left = sum(waits) + test_left + limits_left + after * bool(waits)
+    left = sum(waits) + checks_left + after * bool(waits)
     # One stage after another, however many cores there are; the searches beside them.
     stages = of_card.left if of_card else sum(slowest.values())
     memory = (at_once - 1) * longest.memory + max(part.memory for _, part in costs)
@@ -142,9 +139,10 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         longest.steps,
         longest.seconds / known.value,
         sum(part.seconds for state, part in costs if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
+        (sum(part.seconds for state, part in costs if state.job.run.kind == Kind.SEARCH) + sum(tests.values())) / known.value,
         sum(times) + sum(checks.values()) + after,
         left,
-        max(left / cores, max(stages, search, test_left + limits_left) + after * bool(waits) / min(cores, 8)),
+        max(left / cores, max(stages, search, checks_left) + after * bool(waits) / min(cores, 8)),
         cores,
         memory,
         sum(part.disk for _, part in costs),
@@ -205,11 +203,7 @@ def _started(part: Cost, state: State, start: float) -> float:
 
 def measured_speed(states: Sequence[State]) -> Speed:
     """Speed on the finished runs of a study, else here."""
-    ratios = [
-        cost(state.job.scene).seconds / state.computed
-        for state in states
-        if state.state == Stand.DONE and state.job.run.kind == Kind.RUN and state.computed > 0  # NaN where a card made it
-    ]
+    ratios = list(speeds(states))
     if ratios:
         return Speed(statistics.median(ratios), f"from {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")
     return Speed(speed_here(states[0].job.scene), "measured here on a coarse copy of a run")
@@ -281,10 +275,15 @@ def lines(needs: StudyCost) -> list[str]:
             f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice that with the yield-acceleration search",
         ),
     ]
+    if needs.searches:
+        what = "static tests, factors of safety, yield accelerations; less of these with searches: quick or none in the study"
+        rows.insert(
+            3, ("searches", f"{_time(needs.searches)} of one core, {needs.searches / needs.computing:.0%} of the computing: {what}")
+        )
     if on_card:
         each = "unknown without numba-cuda" if math.isnan(on_card.memory) else f"{_size(on_card.memory)} of its memory a run"
-        rows.insert(4, ("card", f"{_time(on_card.left)}, {on_card.together} runs together, {each}"))
-        rows.insert(5, ("its speed", f"{on_card.speed.value / 1e6:,.0f} M particle-steps/s, {on_card.speed.known_by}"))
+        rows.insert(-5, ("card", f"{_time(on_card.left)}, {on_card.together} runs together, {each}"))
+        rows.insert(-5, ("its speed", f"{on_card.speed.value / 1e6:,.0f} M particle-steps/s, {on_card.speed.known_by}"))
     return [f"{label:<10} {text}" for label, text in rows]
 
 

@@ -391,8 +391,8 @@ def _refused(known: Known) -> Iterator[str]:
             read_record(record, known.unit, known.component)
         except ValidationError:
             yield (
-                f"--record {record}: several records are named as seen from this folder, by letters, digits and . _ + - /, none in a "
-                "folder above; copy or rename it"
+                f"--record {record}: of several records, each must lie in this folder or below it and be given by its path from here, as "
+                "quakes/kobe.csv, with no characters but letters, digits and . _ + - /; copy or rename it"
             )
         except (ValueError, OSError) as error:
             yield f"--record {error}"

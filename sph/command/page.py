@@ -120,9 +120,16 @@ def _stand(state: State) -> str:
     return f"{state.state}: {state.note}" if state.note else str(state.state)
 
 
+def _of_others(plan: Plan, base: Path) -> dict[str, str]:
+    """Pages of fidelities of a study besides its own and that of its draft, the whole one where there is one, by fidelity."""
+    others = [name for name in plan.study.fidelities if name not in [each.study.fidelity for each in (plan, plan.draft) if each]]
+    pages = {name: [base / plan.at(name).folder / page for page in ("report.html", PAGE)] for name in others}
+    return {name: os.path.relpath(there[0]) for name, paths in pages.items() if (there := [path for path in paths if path.exists()])}
+
+
 def page(given: Path | None, configfile: Path | None, watching: bool, say: Callable[[str], None]) -> str:
-    """Write the page of the runs that are done, and that of the coarser fidelity at which the study has its draft; with ``watching`` again
-    whenever there are more, until all are, which ``say`` is told.
+    """Write the page of the runs that are done, and that of the coarser fidelity at which the study has its draft, and name those that
+    there are of other fidelities; with ``watching`` write again whenever there are more, until all are, which ``say`` is told.
 
     ValueError where no run is done, unless they are waited for.
     """
@@ -131,13 +138,15 @@ def page(given: Path | None, configfile: Path | None, watching: bool, say: Calla
     pages = [SoFar(each, catalogue.base) for each in (plan.draft, plan) if each]
     if not watching:
         written = [each.said for each in pages if each.renew(growing=False)]
+        beside = [f"{path}: of fidelity {fidelity}" for fidelity, path in _of_others(plan, catalogue.base).items()]
         if not written:
             at_work = [other.job for other in look_beside(plan, catalogue.base) if other.state == Stand.RUNNING] + [
                 state.job.run.id for state in look_at(plan.jobs, catalogue.base) if state.state == Stand.RUNNING
             ]
             started = f"at work: {', '.join(at_work)}" if at_work else "start the study with snakemake"
-            raise ValueError(f"{pages[-1].folder}: no run is done yet; {started}, and add --watch to wait for its runs")
-        return "\n".join(written)
+            there = "".join(f"; there is {each}" for each in beside)
+            raise ValueError(f"{pages[-1].folder}: no run is done yet; {started}, and add --watch to wait for its runs{there}")
+        return "\n".join([*written, *beside])
     say(f"waiting for runs in {' and '.join(each.folder for each in pages)}; end with Ctrl-C")
     while True:
         begun = clock.monotonic()

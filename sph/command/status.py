@@ -8,19 +8,22 @@ with a reason, *stopped* when it was killed (it continues from its checkpoint), 
 rerun is for ``snakemake -n`` to say.  What goes on beside the simulations, as tests of the slopes, figures and page, is named while its
 process runs and where it has failed.  Targets beside the study count once they have been started (``sph.jobs.catalogue``).
 
-The time left is that which finished jobs of the kind took by their benchmarks (runs: those that share their shaking up to the first
-failure, else all, else the gravity stage's time a simulated second), and what running ones say themselves, over the number at work.
+The time left is what running jobs say themselves, or what finished ones of the kind took by their benchmarks (runs: those that share their
+shaking up to the first failure), or what ``sph.study.cost`` predicts at the speed of those that are done, over the number at work.  Static
+tests and searches for limits of the slopes count.
 """
 
 from __future__ import annotations
 
 import csv
 import functools
+import itertools
 import math
+import statistics
 import sys
 import time as clock
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,9 +36,11 @@ from sph.jobs.log import read_log
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.storage.files import beside
+from sph.study.cost import TRIALS, cost, job_cost
 from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.planned import differing
+from sph.study.preflight import plan_seconds
 from sph.study.runs import Kind, PlannedRun
 
 REFRESH = 2.0
@@ -44,6 +49,12 @@ LISTED = 10
 """Most jobs of a state that are named."""
 CLEAR = "\x1b[H\x1b[J"
 """Empties a terminal."""
+LOCKS = ".snakemake/locks"
+"""What Snakemake keeps in a working folder while it is at work there, and leaves when it is killed."""
+LOCKED = (
+    "Snakemake is starting or was killed, which leaves this folder locked; if none is at work here: your snakemake command once with "
+    "--unlock added, then without it and with --rerun-incomplete"
+)
 TITLES = {
     Kind.GRAVITY: "gravity stage",
     Kind.PRE_FAILURE: "shaking to the first failure",
@@ -52,7 +63,11 @@ TITLES = {
 }
 """The kinds in words."""
 BESIDE = {"check": "static tests of the slopes", "preflight": "searches for limits of the slopes"}
-"""Jobs beside the simulations, by their logs, whose names do not say what they do."""
+"""Jobs of computing beside the simulations, by their logs, and what they do."""
+MADE = {"check": "checked.csv", "preflight": "preflight.csv"}
+"""What they write into the folder of results."""
+SAMPLED = 20
+"""Most finished runs by which the speed of the machine is known here."""
 
 
 class Stand(StrEnum):
@@ -80,7 +95,12 @@ class Job(NamedTuple):
     @property
     def title(self) -> str:
         """What it is, in words: its row of the overview."""
-        return f"{TITLES[self.run.kind]} of {self.run.target}" if self.run.target else TITLES[self.run.kind]
+        return TITLES[self.run.kind] + self.of_target
+
+    @property
+    def of_target(self) -> str:
+        """What it belongs to where that is not the study at its own fidelity, in words."""
+        return f" of {self.run.target}" if self.run.target else ""
 
 
 class State(NamedTuple):
@@ -91,6 +111,7 @@ class State(NamedTuple):
     note: str = ""  # the run's own status, or why it failed
     time: float = 0.0  # simulated, s
     left: float = math.nan  # wall time by its own account, s
+    since: float = math.nan  # wall time since it began, of a job that is running, s
     took: float = math.nan  # wall time by its benchmark, s
     computed: float = math.nan  # computing time of a core by its file, without compiling, reading and writing, s
 
@@ -106,8 +127,11 @@ def status(given: Path | None, configfile: Path | None, watching: bool, as_json:
         watch(catalogue.plan, look_again, catalogue.base)
         return None
     states = look_again()
-    told = catalogue.plan, states, look_beside(catalogue.plan, catalogue.base)
-    return to_json(record(*told), indent=1) if as_json else "\n".join(lines(*told))
+    others = look_beside(catalogue.plan, catalogue.base)
+    if as_json:
+        return to_json(record(catalogue.plan, states, others), indent=1)
+    idle = Stand.RUNNING not in [*(each.state for each in states), *(each.state for each in others)]
+    return "\n".join([*lines(catalogue.plan, states, others), *[LOCKED] * (idle and any((catalogue.base / LOCKS).glob("*.lock")))])
 
 
 def look_at(runs: Sequence[PlannedRun], base: Path) -> list[State]:
@@ -137,30 +161,38 @@ def look(job: Job, base: Path) -> State:
             return State(job, Stand.FAILED, log.reason, time)
         if log.process is not None and log.process.alive(log.age):
             begun = "" if log.time is not None else "compiling or reading"
-            return State(job, Stand.RUNNING, f"{_trials(path)} trials so far" if job.run.kind == Kind.SEARCH else begun, time, left)
+            note = f"{_trials(path)} trials so far" if job.run.kind == Kind.SEARCH else begun
+            return State(job, Stand.RUNNING, note, time, left, clock.time() - log.process.started)
         if any(beside(path, role).exists() for role in ("run", "checkpoint")):
             return State(job, Stand.STOPPED, time=time)
     return State(job, Stand.WAITING)
 
 
 class Beside(NamedTuple):
-    """A job beside the simulations that is at work or has failed."""
+    """A job beside the simulations that is at work or has failed, or of ``BESIDE`` and to come."""
 
     job: str
     state: Stand
     note: str  # what it does, where its name does not say that, or why it failed
+    since: float = math.nan  # wall time since it began, of a job that is running, s
 
 
 def look_beside(plan: Plan, base: Path) -> list[Beside]:
-    """The jobs of a study beside its simulations that are at work or have failed, by their logs."""
-    own, jobs = {base / run.log for run in plan.jobs}, []
-    for path in sorted((base / plan.folder / "logs").glob("*.log")):
+    """The jobs of a study beside its simulations that are at work or have failed, by their logs, and those of ``BESIDE`` to come."""
+    own, jobs, folder = {base / run.log for run in plan.jobs}, list[Beside](), base / plan.folder
+    for path in sorted((folder / "logs").glob("*.log")):
         log = read_log(path) if path not in own else None
         if log and log.reason is not None:
             jobs.append(Beside(path.stem, Stand.FAILED, log.reason))
         elif log and log.process and log.process.alive(log.age):
-            jobs.append(Beside(path.stem, Stand.RUNNING, BESIDE.get(path.stem, "")))
-    return jobs
+            jobs.append(Beside(path.stem, Stand.RUNNING, BESIDE.get(path.stem, ""), clock.time() - log.process.started))
+    told = [other.job for other in jobs]
+    return jobs + [Beside(job, Stand.WAITING, BESIDE[job]) for job in tests_left(plan, base) if job not in told]
+
+
+def tests_left(plan: Plan, base: Path) -> list[str]:
+    """The jobs of ``BESIDE`` whose tables are not there."""
+    return [job for job, table in MADE.items() if not (base / plan.folder / table).exists()]
 
 
 def _trials(path: Path) -> int:
@@ -193,30 +225,50 @@ class Estimate(NamedTuple):
 
     work: float  # s of computing
     time: float  # s of wall time with the jobs now at work; NaN with none
-    unknown: int  # jobs left of which nothing is measured, not counted in these
+    unknown: int  # jobs left of which nothing is known, not counted in these
+    searches: float  # s of the work, of static tests and searches for limits
 
 
-def estimate(states: Sequence[State]) -> Estimate:
+def estimate(plan: Plan, states: Sequence[State], beside: Sequence[Beside]) -> Estimate:
     """What the jobs left will take; see above."""
-    groups = {state.job.run.group for state in states}
-    costs = {group: _time_of_one([state for state in states if state.job.run.group == group]) for group in groups}
-    any_run = _time_of_one([state for state in states if state.job.is_run])
-    scene = states[0].job.scene
-    by_gravity = states[0].computed * (scene.duration / scene.gravity.duration - 1.0)
-    lefts, work, unknown = [], 0.0, 0
+    speed, groups = _speed(states), dict[str, list[State]]()
     for state in states:
-        if state.state == Stand.DONE:
-            continue
-        known = (state.left, costs[state.job.run.group], *((any_run, by_gravity) if state.job.is_run else ()))
-        left = next((value for value in known if not math.isnan(value)), math.nan)
-        if math.isnan(left):
-            unknown += 1
-            continue
-        work += left
-        if state.state == Stand.RUNNING:
-            lefts.append(left)
-    running = sum(state.state == Stand.RUNNING for state in states)
-    return Estimate(work, max(work / running, *lefts, 0.0) if running else math.nan, unknown)
+        groups.setdefault(state.job.run.group, []).append(state)
+    costs = {group: _time_of_one(of) for group, of in groups.items() if any(state.state != Stand.DONE for state in of)}
+    costs = {group: job_cost(groups[group][0].job.run).seconds / speed if math.isnan(time) else time for group, time in costs.items()}
+    left, searching = list[tuple[Stand, float]](), list[float]()
+    for state in states:
+        if state.state != Stand.DONE:
+            search, time = state.job.run.kind == Kind.SEARCH, costs[state.job.run.group]
+            left.append((state.state, _rest(time, state.since if search else math.nan) if math.isnan(state.left) else state.left))
+            searching += [left[-1][1]] * search
+    for job in (other for other in beside if other.job in BESIDE):
+        left.append((job.state, _rest(plan_seconds(plan)[list(BESIDE).index(job.job)] / speed, job.since)))
+        searching.append(left[-1][1])
+    known, at_work = ([time for _, time in left if not math.isnan(time)], [time for state, time in left if state == Stand.RUNNING])
+    work, lasting = math.fsum(known), [time for time in at_work if not math.isnan(time)]
+    searches = math.fsum(time for time in searching if not math.isnan(time))
+    return Estimate(work, max(work / len(at_work), *lasting, 0.0) if at_work else math.nan, len(left) - len(known), searches)
+
+
+def _rest(time: float, since: float) -> float:
+    """What is left of a search that takes a ``time`` (s) and has run for some: one of its trials at least."""
+    return time if math.isnan(since) else max(time - since, time / TRIALS)
+
+
+def _speed(states: Sequence[State]) -> float:
+    """Speed of this machine over that of the reference machine, on finished runs, else on the gravity stage; NaN without these."""
+    runs, first = list(itertools.islice(speeds(states), SAMPLED)), states[0]
+    if runs or not first.computed > 0.0:
+        return statistics.median(runs) if runs else math.nan
+    return cost(first.job.scene, until=first.job.scene.gravity.duration).seconds / first.computed
+
+
+def speeds(states: Sequence[State]) -> Iterator[float]:
+    """Speed over that of the reference machine on each finished run."""
+    for state in states:
+        if state.state == Stand.DONE and state.job.is_run and state.computed > 0:  # NaN where a card made it
+            yield cost(state.job.scene).seconds / state.computed
 
 
 def _time_of_one(states: Sequence[State]) -> float:
@@ -242,7 +294,7 @@ def lines(plan: Plan, states: Sequence[State], beside: Sequence[Beside]) -> list
         told = [_line(state) for state in states if state.state == name]
         text += told[:LISTED] + [f"  and {len(told) - LISTED} more {name}"] * (len(told) > LISTED)
     text += [f"  {other.state}: {other.job}{': ' if other.note else ''}{other.note}" for other in beside]
-    return [*text, sentence(states, any(other.state == Stand.RUNNING for other in beside))]
+    return [*text, sentence(plan, states, beside)]
 
 
 def _line(state: State) -> str:
@@ -252,24 +304,28 @@ def _line(state: State) -> str:
     if state.time and state.state in (Stand.RUNNING, Stand.STOPPED):
         until = state.job.scene.duration
         told.insert(0, f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s" if state.job.is_run else f"at {state.time:.2f} s")
-    return f"  {state.state}: {state.job.run.id}{': ' if told else ''}{', '.join(told)}"
+    return f"  {state.state}: {state.job.run.id}{state.job.of_target}{': ' if told else ''}{', '.join(told)}"
 
 
-def sentence(states: Sequence[State], at_work: bool = False) -> str:
-    """What is left, in a sentence; ``at_work`` says whether jobs beside the simulations are."""
-    left = sum(state.state != Stand.DONE for state in states)
+def sentence(plan: Plan, states: Sequence[State], beside: Sequence[Beside] = ()) -> str:
+    """What is left, in a sentence."""
+    left = sum(state.state != Stand.DONE for state in states) + sum(other.job in BESIDE for other in beside)
     if not left:
         return "all simulations are done; snakemake -n says whether tables, claims and figures are up to date"
-    needed, measured = estimate(states), sum(not math.isnan(state.took) for state in states)
-    running = sum(state.state == Stand.RUNNING for state in states)
+    needed, measured = estimate(plan, states, beside), sum(not math.isnan(state.took) for state in states)
+    at_work = [other.job for other in beside if other.state == Stand.RUNNING]
+    running = sum(state.state == Stand.RUNNING for state in states) + sum(job in BESIDE for job in at_work)
     nothing = f"no{' simulation' if at_work else 'thing'} is running; "
     if needed.unknown == left:
         return f"{'' if running else nothing}time left: unknown until the first job is done"
     basis = f"from {_number(measured, 'benchmark')}" if measured else "from the progress of the running jobs"
+    share = f"; {duration(needed.searches)} of {duration(needed.work)} of computing are static tests and searches"
+    searches = share * (needed.searches >= 1.0)
     at_least = f"; {_number(needed.unknown, 'job')} of unknown time not counted" if needed.unknown else ""
     if math.isnan(needed.time):
-        return f"{nothing}{duration(needed.work)} of computing remaining, {basis}{at_least}"
-    return f"time left: about {duration(needed.time)} with the {running} running now, {basis}{at_least}; tables and figures need more time"
+        return f"{nothing}{duration(needed.work)} of computing remaining, {basis}{searches}{at_least}"
+    more = "; tables and figures need more time"
+    return f"time left: about {duration(needed.time)} with the {running} running now, {basis}{searches}{at_least}{more}"
 
 
 def _number(count: int, what: str) -> str:
@@ -278,7 +334,7 @@ def _number(count: int, what: str) -> str:
 
 def record(plan: Plan, states: Sequence[State], beside: Sequence[Beside]) -> dict[str, Any]:
     """The overview for machines; numbers that are not known are null."""
-    needed = estimate(states)
+    needed = estimate(plan, states, beside)
     rows = [state._asdict() | {"job": state.job.run.id, "kind": state.job.title, "duration": state.job.scene.duration} for state in states]
     return {
         "study": plan.study.study,
@@ -286,6 +342,7 @@ def record(plan: Plan, states: Sequence[State], beside: Sequence[Beside]) -> dic
         "folder": plan.folder,
         "work_left": needed.work,
         "time_left": needed.time,
+        "searches_left": needed.searches,
         "not_measured": needed.unknown,
         "jobs": rows,
         "beside": [other._asdict() for other in beside],
@@ -303,6 +360,6 @@ def watch(plan: Plan, look_again: Callable[[], list[State]], base: Path) -> None
         elif text != shown:
             print(text, flush=True)
         shown = text
-        if all(state.state == Stand.DONE for state in states):
+        if all(state.state == Stand.DONE for state in states) and not tests_left(plan, base):
             return
         clock.sleep(REFRESH)

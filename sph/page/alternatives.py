@@ -15,6 +15,7 @@ from sph.measures.metrics import CLASSES
 from sph.measures.places import ARRIVAL, PEAK_DEPTH, REACHED, column_of, places_in
 from sph.page.tables import Table
 from sph.scene.units import in_both
+from sph.storage.trajectory import Status
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE, Dimension, title_of
 from sph.study.preflight import Row
 
@@ -124,7 +125,10 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     savings = {name: saved(worst, run) for name, run in pairs}
     known_savings = [_saves(name, words) for name, words in savings.items() if not words.startswith("unknown")]
     if known_savings:
-        said.append(f"of the displacement {listed(known_savings)}")
+        several = [each for each in dimensions if each.name != ALTERNATIVE and len({run[each.name] for run in base}) > 1]
+        point = {each.name: str(worst[each.name]) for each in several}
+        at = f" in the run that moves farthest as it is ({title_of(several, point)})," if several else ""
+        said.append(f"of the displacement{at} {listed(known_savings)}")
     said += [f"what {name} saves is {words}" for name, words in savings.items() if words.startswith("unknown")]
     words = "; ".join(said)
     return f"{words[0].upper()}{words[1:]}." if words else ""
@@ -202,7 +206,8 @@ def _at(runs: pd.DataFrame, place: str) -> tuple[str, str, str]:
     count = f"{AT_LEAST * on_its_way}{len(there)} of {len(known)}"
     if there.empty:
         return count, NOTHING, NOTHING
-    first = float((there[column_of(place, ARRIVAL)] - there["shaking_start"]).min())
+    shaken = there[there["status"] != Status.FAILED_UNSHAKEN]  # debris of the others may come before the shaking
+    first = float((shaken[column_of(place, ARRIVAL)] - shaken["shaking_start"]).min())
     bounded = any(is_at_least(run) for run in known)
     return count, f"{first:.3g}" if first == first else NOTHING, metres(float(there[column_of(place, PEAK_DEPTH)].max()), bounded)
 

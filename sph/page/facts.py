@@ -248,7 +248,8 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     still = short & ~braked & ~moving
     words, how = list[str](), list[str]()
     if there.any():
-        first = (of[ARRIVAL] - table["shaking_start"]).min()
+        # not of a slope that falls unshaken: its debris may come before the shaking
+        first = (of[ARRIVAL] - table["shaking_start"])[table["status"] != Status.FAILED_UNSHAKEN].min()
         begins = f", first {first:.3g} s after the shaking begins" * (not math.isnan(first))
         words.append(f"reached in {there.sum()} of {runs_said(known.sum())}{begins}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
         speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
@@ -258,7 +259,9 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     words += [f"not yet in {runs_said(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
     words += [f"unknown in {runs_said(braked.sum())}, whose debris is braked" + f": {why}" * bool(why)] * bool(braked.any())
     words += [f"unknown in {runs_said(missing)} still to come"] * bool(missing)
-    words += [f"its ground moves by up to {metres(of[GROUND].max())} m"] * bool(of[GROUND].max() >= min(AREA_THRESHOLDS.values()))
+    words += [f"the ground it stands on moves by up to {metres(of[GROUND].max())} m"] * bool(
+        of[GROUND].max() >= min(AREA_THRESHOLDS.values())
+    )
     gap = -float(of[PASSED][short].max())
     if not there.any() and gap > 0.0:
         if len(on := table[short & (table["at_rest"] == 0)]):

@@ -10,7 +10,9 @@ import functools
 import re
 import types
 import typing
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import PurePath
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, Field
@@ -147,6 +149,17 @@ class Dimension(NamedTuple):
 
 PRINTED = {"-": "", "1": "", "1/s": "s⁻¹"}
 """Units that are printed otherwise than with raised digits."""
+
+
+def short_names(files: Sequence[str]) -> dict[str, str]:
+    """Files by as little of their paths as tells them apart: the name without its ending, with it, and folders before that."""
+
+    def tails(file: str) -> list[str]:
+        path = PurePath(file)
+        return [str(PurePath(*of.parts[-last:])) for last in range(1, len(path.parts) + 1) for of in (path.with_suffix(""), path)]
+
+    taken = Counter(tail for file in files for tail in {*tails(file)})
+    return {file: next((tail for tail in tails(file) if taken[tail] == 1), file) for file in files}
 
 
 def shown_unit(unit: str) -> str:

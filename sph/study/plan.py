@@ -19,7 +19,7 @@ from sph.measures.places import check_places, check_same_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, check_unit, written_amplitude
 from sph.storage.files import whole
-from sph.study.dimensions import ALTERNATIVE, BASE, RECORD, Dimension, dimension, title_of, value_of
+from sph.study.dimensions import ALTERNATIVE, BASE, RECORD, Dimension, dimension, short_names, title_of, value_of
 from sph.study.runs import YIELD, BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
@@ -122,7 +122,8 @@ class Plan:
     def second_runs(self) -> list[PlannedRun]:
         """Stages and runs at the second fidelity."""
         runs = [run for run in self.second.shared if run.kind != Kind.SEARCH] if self.second else []
-        return [run._replace(group=f"{run.group} at {self.study.second_fidelity}") for run in runs]
+        at = f"fidelity {self.study.second_fidelity}"
+        return [run._replace(group=f"{run.group} at {at}", target=at) for run in runs]
 
     @property
     def slope(self) -> PlannedRun:
@@ -167,11 +168,13 @@ class Plan:
         return [each._replace(plainly=True) for each in dimensions] if self.study.page == "client" else dimensions
 
     def _records(self) -> tuple[tuple[str, str], ...]:
-        """The records of the study, as written, with what they are called where each has a name."""
+        """The records of the study, as written, with what they are called: by their names where each has one of its own, else by their
+        files."""
         first = {point[RECORD]: point for point in reversed(self.study.runs.values())}
         motions = {written: self.built(**point).motion for written, point in first.items()}
         names = {written: name for written, motion in motions.items() if (name := getattr(motion, "name", None))}
-        return tuple(names.items()) if len(set(names.values())) == len(motions) else ()  # one that the scene gives is not that of all
+        own = len(set(names.values())) == len(motions)  # one that the scene gives is not that of all
+        return tuple((names if own else short_names(list(motions))).items())
 
     def figure_titles(self, figure: str) -> list[list[str]]:
         """Titles of the runs of a figure: of profiles the dimensions in which runs of the study differ; none where it shows one run."""

@@ -7,6 +7,7 @@ fraction of that and leave a larger error.
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -153,6 +154,13 @@ def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] | Non
             limits += search_seconds(scenes[names[0]], (coarse, fine))
         slopes.add(peak_key)
     return tests, limits
+
+
+@functools.lru_cache(maxsize=4)
+def plan_seconds(plan: Plan) -> tuple[float, float]:
+    """The same of the runs of a study that are checked."""
+    checked = {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
+    return preflight_seconds(checked, preflight_searches(plan.study.searches, bool(plan.searches)))
 
 
 def search_seconds(scene: Scene, trials: Sequence[float]) -> float:

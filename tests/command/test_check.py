@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -229,6 +230,10 @@ def test_the_alternatives_of_a_study_are_checked_as_well(tmp_path: Path) -> None
     study.write_text(yaml.safe_dump({"alternatives": alternatives}))
     told = call("check", file, "--configfile", study).stdout.splitlines()
     assert "no warnings" in told and "stiffer: no further warnings" in told
+    own = next(said for said in told if said.startswith("factor of safety"))
+    stronger = next(said for said in told if said.startswith("stiffer: note: limit equilibrium"))
+    factor, more = (float(re.search(r"Spencer (\d+\.\d+)", said)[1]) for said in (own, stronger))  # type: ignore[index]
+    assert more > 1.2 * factor, "each has its own"
     assert any(said.startswith("grouted: error: no particle lies in seam") for said in told)
     study.write_text(yaml.safe_dump({"alternatives": {"odd": {"soil": {"cohesion": -1.0}}}}))
     refused = call("check", file, "--configfile", study)

@@ -305,7 +305,7 @@ def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
         ),
         (["--alternative", "berm=8", "--place", "path=3"], "--alternative berm=8: would cover path"),
         (["--cover", "30"], "--cover 30: must be above 0 and less than the height of the slope, 28 m"),
-        (["--record", str(RECORD)], "several records are named as seen from this folder"),
+        (["--record", str(RECORD)], "of several records, each must lie in this folder or below it"),
         ([str(GROUND)], "give the file of a ground line, or --slope HEIGHT,ANGLE, and not both"),
     ):
         own = [] if "--slope" in arguments else ["--slope", "28,32"]

@@ -129,3 +129,5 @@ def test_the_draft_of_a_study_is_shown_before_its_runs(plan: Plan, monkeypatch: 
     finish(plan.draft, "S_R-0.10_amplitude-4.0", -3.0)
     monkeypatch.setattr(page_of, "write_page", lambda path, study: None)
     assert call("study.yaml").stdout.strip() == "results/growing/coarse/so_far.html: 1 of 4 runs"
+    Path("results/growing/coarse/report.html").touch()
+    assert "; there is results/growing/coarse/report.html: of fidelity coarse" in call("finer.yaml").stderr, "no run of its own yet"

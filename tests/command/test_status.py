@@ -7,6 +7,8 @@ import json
 import math
 import os
 import platform
+import re
+import time as clock
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +20,16 @@ from small_scenes import SLOPE, SceneBuilder
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.command.status import State, estimate, look, look_at, sentence, watch
+from sph.command.status import MADE, Estimate, State, estimate, look, look_at, look_beside, sentence, watch
 from sph.command.study import find_study
 from sph.jobs.exit_codes import REFUSED
 from sph.jobs.log import FRESH, PROCESS, PROGRESS, Process, job_log, line_of, read_log
 from sph.jobs.progress import SECONDS, reporter
 from sph.scene.schema import make_scene
 from sph.solver.run import Progress
+from sph.study.cost import TRIALS, cost, job_cost
 from sph.study.plan import Plan
+from sph.study.preflight import plan_seconds
 
 POINT = "S_R-0.10_gamma-1_amplitude-8.0"
 HERE = Process(platform.node(), os.getpid(), psutil.Process().create_time() + 0.1)
@@ -170,44 +174,94 @@ def test_lines_come_at_every_tenth_and_every_half_minute(tmp_path: Path) -> None
     assert "left" not in lines[0] and lines[-1].startswith("run: 0.39 of 3 s, 25% failed, ") and lines[-1].endswith(", 5220 s left")
 
 
+def left(study: Folder) -> Estimate:
+    return estimate(study.plan, study.states(), look_beside(study.plan, study.base))
+
+
+def made(study: Folder) -> None:
+    """The tables of the tests and searches beside the runs."""
+    study.path.mkdir(parents=True, exist_ok=True)
+    for table in MADE.values():
+        (study.path / table).write_text("")
+
+
 def test_the_time_left_is_that_of_finished_jobs_of_the_kind(study: Folder) -> None:
-    study.finish("gravity", 6.0)  # of 1 s: 12 s for the two after it, as long as nothing better is known
-    assert estimate(study.states())[0::2] == (8 * 12.0, 3) and math.isnan(estimate(study.states()).time)
+    settled, runs = cost(study.jobs["gravity"].scene, until=1.0), [job for job in study.jobs.values() if job.is_run]
+    study.finish("gravity", 2.0 * settled.seconds)  # half the speed of the reference machine
+    made(study)
+    parts = [job_cost(job.run).seconds for name, job in study.jobs.items() if name != "gravity"]
+    found = left(study)
+    assert found.work == pytest.approx(2.0 * math.fsum(parts)) and found.unknown == 0 and math.isnan(found.time)
+    assert found.searches == pytest.approx(2.0 * job_cost(study.jobs["yield_acceleration"].run).seconds)
     study.finish("pre_failure_amplitude-8.0", 3.0)
     study.finish("pre_failure_amplitude-0.1", 1.0)
-    assert estimate(study.states())[0::2] == (8 * 12.0, 1)
+    study.finish("yield_acceleration", 7.0)
+    assert left(study).work == pytest.approx(2.0 * math.fsum(job_cost(job.run).seconds for job in runs)) and left(study).searches == 0.0
     study.finish(POINT, 20.0)
     study.finish(POINT.replace("8.0", "0.1"), 2.0, "unfailed")
-    study.finish("yield_acceleration", 7.0)
-    assert estimate(study.states())[0::2] == (3 * 20.0 + 3 * 2.0, 0)
+    assert left(study).work == pytest.approx(3 * 20.0 + 3 * 2.0) and left(study).unknown == 0
     running = POINT.replace("0.10", "0.50")
     study.log(running, HERE, told(1.80, 50.0))
-    found = estimate(study.states())
+    found = left(study)
     assert found.work == pytest.approx(2 * 20.0 + 3 * 2.0 + 50.0, abs=2.0) == found.time
     study.log(running.replace("1_", "100_"), HERE)
-    assert estimate(study.states()).time == pytest.approx(50.0, abs=2.0), "two at work, of which one takes longer than half of all"
+    assert left(study).time == pytest.approx(50.0, abs=2.0), "two at work, of which one takes longer than half of all"
+
+
+def test_searches_that_run_are_counted(study: Folder) -> None:
+    """A search that has run for a while and the one beside the runs: what the cost predicts of them, less the time that has passed."""
+    for name, job in study.jobs.items():
+        if name != "yield_acceleration":
+            study.finish(name, 100.0 * cost(job.scene).seconds)
+    assert sentence(study.plan, study.states()).startswith("nothing is running; ")
+    search = 100.0 * job_cost(study.jobs["yield_acceleration"].run).seconds
+    _, limits = (100.0 * seconds for seconds in plan_seconds(study.plan))
+    (study.path / MADE["check"]).write_text("")
+    begun = HERE._replace(started=clock.time() - 10.0)
+    study.log("yield_acceleration", begun._replace(machine="another-machine"))
+    found = left(study)
+    assert found.work == found.searches == pytest.approx(search - 10.0 + limits, rel=0.01) and found.unknown == 0
+    assert "of computing are static tests and searches" in call(study.path).stdout.splitlines()[-1]
+    study.finish("yield_acceleration", 1.0)
+    study.log("preflight", begun._replace(machine="another-machine", started=clock.time() - 10.0 * limits))
+    assert left(study).time == pytest.approx(limits / TRIALS), "longer than predicted: another of its tests"
+    assert call(study.path).stdout.splitlines()[-1].startswith("time left: about ")
+    made(study)
+    study.log("preflight", GONE)
+    assert call(study.path).stdout.splitlines()[-1].startswith("all simulations are done")
+
+
+@pytest.mark.parametrize("study", [{"grid": {"S_R": ["0.10", "0.50"]}, "second_fidelity": "coarse"}], indirect=True)
+def test_the_runs_of_the_second_fidelity_are_told_apart(study: Folder) -> None:
+    rows = dict(re.split(r"  +", row.strip()) for row in call(study.path).stdout.splitlines()[1:-3])
+    assert rows["runs"] == rows["runs of fidelity coarse"] == "0 of 2 done, 2 waiting"
+    name = next(name for name, job in study.jobs.items() if job.is_run)
+    log = study.base / study.jobs[name].run.log
+    log.parent.mkdir(parents=True)
+    log.write_text(line_of(PROCESS, **HERE._asdict()))
+    assert f"running: {name} of fidelity coarse: compiling or reading" in call(study.path).stdout, "the later one of a name"
 
 
 @pytest.mark.parametrize("study", [{"grid": {"S_R": ["0.10", "0.50"]}}], indirect=True)
 def test_a_stage_that_all_runs_share_is_none_of_them(study: Folder) -> None:
     """Over S_R alone its name is the bare kind; what it took says nothing of the runs after it."""
-    study.finish("gravity", 6.0)  # of 1 s: 12 s for the two after it
-    study.finish("pre_failure", 1.0)
-    assert estimate(study.states())[0::2] == (2 * 12.0, 1)
+    study.finish("gravity", cost(study.jobs["gravity"].scene, until=1.0).seconds)
+    study.finish("pre_failure", 1000.0)
+    assert left(study).work < 1000.0
 
 
 def test_words_for_what_is_left(study: Folder) -> None:
-    assert sentence(study.states()) == "nothing is running; time left: unknown until the first job is done"
+    made(study)
+    assert sentence(study.plan, study.states()) == "nothing is running; time left: unknown until the first job is done"
     study.log("gravity", HERE)
-    assert sentence(study.states()) == "time left: unknown until the first job is done"
+    assert sentence(study.plan, study.states()) == "time left: unknown until the first job is done"
     study.finish("gravity", 6.0)
-    assert (
-        sentence(study.states())
-        == "nothing is running; 1 min 36 s of computing remaining, from 1 benchmark; 3 jobs of unknown time not counted"
-    )
+    words = sentence(study.plan, study.states())
+    assert words.startswith("nothing is running; ") and " of computing remaining, from 1 benchmark; " in words
+    assert words.endswith("are static tests and searches")
     for name in study.jobs:
         study.finish(name, 1.0)
-    assert sentence(study.states()).startswith("all simulations are done")
+    assert sentence(study.plan, study.states()).startswith("all simulations are done")
 
 
 def test_what_goes_on_beside_the_simulations_is_named(study: Folder) -> None:
@@ -216,14 +270,24 @@ def test_what_goes_on_beside_the_simulations_is_named(study: Folder) -> None:
     with pytest.raises(SystemExit), job_log(study.path / "logs" / "page.log", io.StringIO()):
         raise ValueError("no table")
     shown = call(study.path).stdout.splitlines()
-    assert shown[-3:] == [
+    assert shown[-4:] == [
         "  running: check: static tests of the slopes",
         "  failed: page: no table",
-        "no simulation is running; time left: unknown until the first job is done",
+        "  waiting: preflight: searches for limits of the slopes",
+        "time left: unknown until the first job is done",
     ]
-    assert [each["job"] for each in json.loads(call(study.path, "--json").stdout)["beside"]] == ["check", "page"]
+    assert [each["job"] for each in json.loads(call(study.path, "--json").stdout)["beside"]] == ["check", "page", "preflight"]
     refused = CliRunner().invoke(app, ["page", str(study.path)])
     assert refused.exit_code == REFUSED and "no run is done yet; at work: check" in refused.stderr
+
+
+def test_a_killed_snakemake_leaves_a_lock_and_the_way_out_is_told(study: Folder) -> None:
+    (study.base / ".snakemake" / "locks").mkdir(parents=True)
+    assert "--unlock" not in call(study.path).stdout, "nothing is locked"
+    (study.base / ".snakemake" / "locks" / "0.output.lock").touch()
+    assert "--unlock" in call(study.path).stdout.splitlines()[-1]
+    study.log("gravity", HERE)
+    assert "--unlock" not in call(study.path).stdout, "by a snakemake that is at work"
 
 
 def call(*arguments: object) -> Any:
@@ -305,8 +369,11 @@ def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixtu
     left = list(study.jobs)
 
     def one_more(seconds: float) -> None:
-        study.finish(left.pop(), 1.0)
+        if left:
+            study.finish(left.pop(), 1.0)
+        else:
+            made(study)
 
     monkeypatch.setattr("sph.command.status.clock.sleep", one_more)
     watch(study.plan, study.states, study.base)
-    assert capsys.readouterr().out.count("results/small/draft: study small") == 1 + len(study.jobs), "one for every change"
+    assert capsys.readouterr().out.count("results/small/draft: study small") == 2 + len(study.jobs), "one for every change"

@@ -48,6 +48,7 @@ RUNS = pd.DataFrame(
     house_impact_pressure=0.0,
     house_ground_displacement=0.04,
     diverged=0,
+    status="complete",
     energy_line_runout=math.nan,
     corominas_runout=math.nan,
 )
@@ -68,6 +69,14 @@ def test_what_the_debris_does_at_a_place() -> None:
         ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
     ]
     assert [fact[1:] for fact in at_places(LOST)] == [("not reached in 0 runs", "")] * 2
+
+
+def test_debris_of_a_slope_that_falls_unshaken_comes_at_no_time_of_the_shaking() -> None:
+    falls = ["complete"] * 5 + ["failed_unshaken"]
+    road, _ = at_places(RUNS.assign(status=falls, road_arrival=[math.nan] * 4 + [5.5, 1.0]))
+    assert "first 2.5 s after the shaking" in road[1]
+    road, _ = at_places(RUNS.assign(status="failed_unshaken"))
+    assert road[1].startswith("reached in 2 of 6 runs, up to 2.10 m deep")
 
 
 def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> None:
@@ -120,7 +129,7 @@ def test_braked_debris_is_a_lower_bound_with_its_reason(code: str) -> None:
 
 def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> None:
     _, (_, told, _) = at_places(RUNS.assign(house_ground_displacement=[0.0, 0.1, 0.75, 0.0, 0.0, math.nan]))
-    assert told == "not reached in 6 runs; its ground moves by up to 0.750 m"
+    assert told == "not reached in 6 runs; the ground it stands on moves by up to 0.750 m"
 
 
 def test_how_far_others_would_go_is_beside_the_run_outs() -> None:

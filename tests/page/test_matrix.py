@@ -11,7 +11,7 @@ from synthetic import study_row
 
 from sph.measures.metrics import CLASSES
 from sph.page.matrix import DIVERGED, MAX_CELLS, UNSHAKEN, Cell, matrix
-from sph.study.dimensions import Dimension
+from sph.study.dimensions import Dimension, short_names
 
 DIMENSIONS = [Dimension("S_R", "-", "", False), Dimension("gamma", "1/s", "", False), Dimension("amplitude", "m/s2", "", False)]
 
@@ -51,6 +51,20 @@ def test_records_are_called_by_their_names() -> None:
     found = matrix(table, [record], "A", list(table.index))
     assert found is not None and list(found.panels[0].head) == ["Kobe 1995, KJMA", "elc_180.csv"]
     assert record.said("kjm_000.csv") == "record Kobe 1995, KJMA" and record.said("elc_180.csv") == "record elc_180.csv"
+
+
+@pytest.mark.parametrize(
+    ("files", "names"),
+    [
+        (("quakes/kjm_000.csv", "quakes/elc_180.csv"), ("kjm_000", "elc_180")),
+        (("near/a.csv", "far/a.csv", "far/b.csv"), ("near/a", "far/a", "b")),
+        (("x/a.EW", "x/a.NS"), ("a.EW", "a.NS")),
+        (("a.csv", "x/a.csv"), ("a.csv", "x/a")),
+        (("a.csv",), ("a",)),
+    ],
+)
+def test_records_without_names_are_called_by_as_little_as_tells_them_apart(files: tuple[str, ...], names: tuple[str, ...]) -> None:
+    assert tuple(short_names(files).values()) == names
 
 
 def test_what_a_cell_says_of_its_run() -> None:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
@@ -103,3 +104,20 @@ def test_slip_of_other_soil_does_not_count_and_a_thin_seam_is_not_diluted() -> N
     assert found["seam"][9] == found["seam"][11] == 0.0 and found["alike"][9] > 0.0
     # slip = mean times width: 16/15 / (pi / 3) of the displacement, to what a lattice of four spacings makes of the integrals
     assert 4.0 * found["seam"][10] == pytest.approx(8e-3 * (16 / 15) / (math.pi / 3), rel=0.02)
+
+
+@pytest.mark.parametrize("depth", [0.5, 1.5, 2.5, 4.5, 6.5])
+def test_a_slip_surface_nearer_to_the_ground_than_the_width_counts_for_more(depth: float) -> None:
+    """There is no soil above the ground that it would be averaged with."""
+    width, spacing = 8.0, 0.25
+    simulation = Simulation(make_scene(merge(BLOCK, {"numerics": {"spacing": spacing}, "coupling": {"softening": {"width": width}}})))
+    state, terms = simulation.state, simulation.terms
+    x, y = (place[: terms.n_soil] for place in (state.x, state.y))
+    slipped = np.abs(20.0 - y - depth) < 0.6 * spacing  # two rows
+    asked = np.flatnonzero(slipped & (np.abs(x - 10.0) < spacing))
+    terms.slip.at_yield[asked] = True
+    state.plastic_strain[: terms.n_soil][slipped] = 4e-3 / spacing
+    average_plastic_strain(terms.slip, state, 0, terms.n_soil)
+    above = quad(lambda z: 16.0 / 15.0 * (1.0 - z**2) ** 2.5, 0.0, depth / width)[0]
+    found = width * state.mean_plastic_strain[asked].mean()
+    assert found == pytest.approx(8e-3 * (16.0 / 15.0) / (math.pi / 6.0 + above), rel=0.03)

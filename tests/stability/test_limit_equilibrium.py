@@ -267,6 +267,17 @@ def test_a_difference_from_the_particles_is_told_with_what_applies() -> None:
         and "tension crack" in words(stronger).measured
         and "Davis" not in words(stronger).measured
     )
+    assert stronger.severity == "note" and words(stronger).wanted == words(stronger).key == ""
+
+
+def test_a_slope_that_stands_by_the_particles_alone_is_a_warning() -> None:
+    """The steep slope with four tenths of its cohesion."""
+    weak = make_scene(merge(STEEP.model_dump(), {"soil": {"cohesion": 0.4 * STEEP.soil.cohesion / 1e3}}))
+    assert found_equilibrium(weak).spencer.value < 1.0  # type: ignore[union-attr]
+    _, above, below = of_equilibrium(weak, [factor(1.2, 0.05), factor(0.99, 0.01)])
+    assert (above.severity, below.severity) == ("warning", "note")
+    assert "by which the slope does not stand" in words(above).what and "trust Spencer's" in line(above)
+    assert words(above).key == "numerics.spacing" and "trust" not in line(below)
 
 
 def clay(**changes: Any) -> Scene:

@@ -138,6 +138,7 @@ def table_of(**columns: list[Any]) -> pd.DataFrame:
             "at_rest": 1,
             "time_to_rest": 7.5,
             "diverged": 0,
+            "status": "complete",
             "reached_side": "",
             "findings": "",
         }
@@ -221,6 +222,8 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
     assert said(findings=["layer-held"] * 6, **fails).endswith(
         f"; what drained saves is unknown: in both {braked}; what buttress saves is unknown: in both {braked}."
     )
+    several = verdict(table_of(), DIMENSIONS)
+    assert "of the displacement in the run that moves farthest as it is (amplitude 4.0 m/s² (0.408 g)), drained saves 6.00 m" in several
     assert said(collapse_class=["stable"] * 6, house_reached=[0.0] * 6).startswith("Of the displacement drained saves"), (
         "nothing to prevent"
     )

@@ -82,6 +82,7 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     assert slow["shared"] == 2 * one["shared"] == 2 * two["shared"] and 0 < one["shared"] < one["computing"]
     queued = predicted(config, "--speed", 1, "--cores", 1, "--start", START + 10.0)
     more = queued["computing"] - one["computing"]
+    assert 0 < one["searches"] < one["computing"] and slow["searches"] == 2 * one["searches"]
     assert 3 * 10.0 < more < 4 * 10.0, "search, check, preflight, and one job of all short stages and runs"
     many = predicted(config, "--speed", 1, "--cores", 1000)
     assert many["wall"] >= one["run"], "no run is shorter for all the cores"
@@ -105,7 +106,7 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     with_yield = pytest.approx((tests, 2 * a_search + QUICK_SENSITIVITY * coarse))
     assert preflight_seconds(scenes) == with_yield and preflight_seconds(scenes, None) == (0.0, 0.0), "nothing is tested"
     counted = study_cost(plan, catalogue.base, cores=1, speed=1.0)
-    monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes, searches: (0.0, 0.0))
+    monkeypatch.setattr("sph.command.cost.plan_seconds", lambda plan: (0.0, 0.0))
     assert counted.left - study_cost(plan, catalogue.base, cores=1, speed=1.0).left == pytest.approx(sum(seconds))
 
 
