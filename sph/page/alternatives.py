@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_braked
-from sph.checks.messages import listed
+from sph.checks.messages import listed, sentence
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import ARRIVAL, PEAK_DEPTH, REACHED, column_of, places_in
@@ -109,7 +109,7 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     if any(map(_fails, base)):
         outcomes = {name: _avoided(of, _fails) for name, of in runs.items()}
         safe = [name for name, outcome in outcomes.items() if outcome is True]
-        said.append(_which(outcomes, "prevent", "the failure"))
+        said.append(_which(outcomes, "prevent", "the failure in these runs"))
     kept: dict[tuple[bool | str, ...], list[str]] = {}  # places by what the alternatives do for them
     for place in places_in(known.columns):
 
@@ -117,7 +117,7 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
             return bool(run[reached] > 0.0)
 
         if any(map(reaches, base)):
-            kept.setdefault(tuple(_avoided(of, reaches) for of in runs.values()), []).append(place)
+            kept.setdefault(tuple(_avoided(of, reaches) for of in runs.values()), []).append(place.replace("_", " "))
     said += [_which(dict(zip(runs, of, strict=True)), "keep", f"debris from {listed(places)}") for of, places in kept.items()]
     worst = max(base, key=lambda run: run["displacement_magnitude"])
     same = [each.name for each in dimensions if each.name != ALTERNATIVE]
@@ -132,6 +132,16 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     said += [f"what {name} saves is {words}" for name, words in savings.items() if words.startswith("unknown")]
     words = "; ".join(said)
     return f"{words[0].upper()}{words[1:]}." if words else ""
+
+
+def doubts(table: pd.DataFrame, rows: Sequence[Row]) -> str:
+    """The errors and warnings that the scenes of one alternative have alone, in a sentence each."""
+    if ALTERNATIVE not in table:
+        return ""
+    of = table[ALTERNATIVE].astype(str)
+    found = [(row, str(of.get(row.worst_run, BASE))) for row in rows if row.finding.counts]
+    alone = [(row.finding, name) for row, name in found if name != BASE and row.runs <= (of == name).sum()]
+    return " ".join(f"But {name} is in doubt: {sentence(finding, keys=False)}." for finding, name in alone)
 
 
 def _fails(run: Mapping[Any, Any]) -> bool:

@@ -16,7 +16,7 @@ from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
 from sph.measures.places import places_in
 from sph.measures.sides import BACK
-from sph.page.alternatives import compared, slices_of, verdict
+from sph.page.alternatives import compared, doubts, slices_of, verdict
 from sph.page.facts import (
     NOT_SEARCHED,
     NOT_TESTED,
@@ -120,8 +120,9 @@ def answer(
     ]
     first, *places = lead(table, rows, why, missing)
     beside = "" if contradicted(as_it_is(strongest(table)), rows) else verdict(strongest(table), dimensions)
+    beside += f" {doubts(table, rows)}" if beside else ""
     return Answer(
-        [_raised(words) for words in (first, beside, *places) if words],
+        [_raised(words) for words in (first, beside.strip(), *places) if words],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
         [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe, slices_of(table, rows))]
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
@@ -167,7 +168,8 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         if len(known) == 1:
             words = [f"{level} the slope {'collapses' if collapse else 'fails'}"]
         else:
-            words = [f"{level} {fail} of {len(known)} runs fail" + f", {collapse} of them by collapse" * bool(collapse)]
+            words = [f"{level} {fail} of {len(known)} runs {'collapse' if fail == collapse else 'fail'}"]
+            words[0] += f", {collapse} of them by collapse" * (0 < collapse < fail)
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
         moving = known[known["at_rest"] == 0]
         if (farthest := known["runout"].max()) > 0.0:
@@ -176,8 +178,9 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     places = places_in(table.columns) if len(known) else ()
-    more = [f"{place}: {'; '.join(filter(None, at_place(known, place, missing=missing)))}" for place in places if not should]
-    more += [f"{place}: not known, as long as runs stand that should fail" for place in places if should]
+    unknown = ("not known, as long as runs stand that should fail",) if should else ()
+    there = {place.replace("_", " "): unknown or at_place(known, place, missing=missing) for place in places}
+    more = [f"{place}: {'; '.join(filter(None, told))}" for place, told in there.items()]
     return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
 
 

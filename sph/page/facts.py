@@ -231,7 +231,7 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
 
 def at_places(table: pd.DataFrame, why: str = "", missing: int = 0) -> list[tuple[str, str, str]]:
     """What the debris does at each place."""
-    return [(f"At {place}", *at_place(table, place, why, missing)) for place in places_in(table.columns)]
+    return [(f"At {place.replace('_', ' ')}", *at_place(table, place, why, missing)) for place in places_in(table.columns)]
 
 
 def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -> tuple[str, str]:
@@ -267,7 +267,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
         if len(on := table[short & (table["at_rest"] == 0)]):
             how.append(f"the debris is at least {metres(gap)} m short of it then, and moves on: {moves_on(on)}")
         else:
-            stops = f"the debris stops at least {metres(gap)} m short of it"
+            stops = f"the debris{' that goes farthest' * bool(short.sum() > 1)} stops {metres(gap)} m short of it"
             how.append(f"the braked debris comes to {metres(gap)} m of it" if braked.any() else stops)
     return "; ".join(words), "; ".join(how)
 

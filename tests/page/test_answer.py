@@ -66,7 +66,7 @@ def test_what_the_debris_does_at_a_place() -> None:
             "mean impact pressure over its depth 31 kPa at most",
             "",
         ),
-        ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
+        ("At house", "not reached in 6 runs", "the debris that goes farthest stops 10.0 m short of it"),
     ]
     assert [fact[1:] for fact in at_places(LOST)] == [("not reached in 0 runs", "")] * 2
 
@@ -214,12 +214,12 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert said(runs, []).endswith(
         ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
         "mean impact pressure over its depth 31 kPa at most. "
-        "house: not reached in 4 runs; the debris stops at least 10.0 m short of it."
+        "house: not reached in 4 runs; the debris that goes farthest stops 10.0 m short of it."
     )
     assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
         "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. "
-        "road: not reached in 2 runs; the debris stops at least 2.00 m short of it. "
-        "house: not reached in 2 runs; the debris stops at least 20.0 m short of it."
+        "road: not reached in 2 runs; the debris that goes farthest stops 2.00 m short of it. "
+        "house: not reached in 2 runs; the debris that goes farthest stops 20.0 m short of it."
     ), "an alternative is no run of the slope as it is"
     assert said(bare.assign(alternative="drained"), []).startswith("With drained, at 4 m/s2 (0.408 g) 3 of 4 runs fail"), "so far"
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."

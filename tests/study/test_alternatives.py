@@ -17,12 +17,12 @@ from sph.checks.finding import finding
 from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
-from sph.page.alternatives import compared, slices_of, verdict
+from sph.page.alternatives import compared, doubts, slices_of, verdict
 from sph.page.facts import few_rows
 from sph.page.tables import turned
 from sph.scene.schema import make_scene
 from sph.solver.particles import place_particles
-from sph.study.dimensions import Dimension
+from sph.study.dimensions import BASE, Dimension
 from sph.study.plan import Plan
 from sph.study.preflight import Row
 
@@ -207,9 +207,9 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
         return verdict(table_of(**columns)[1::2], DIMENSIONS)
 
     keeps = "drained and buttress keep debris from house; of the displacement drained saves 6.00 m (60 %)."
-    assert said() == f"Buttress prevents the failure, drained does not; {keeps}"
+    assert said() == f"Buttress prevents the failure in these runs, drained does not; {keeps}"
     fails: dict[str, list[Any]] = {"collapse_class": ["collapse"] * 6, "house_reached": [1.0] * 6}
-    neither = "Neither drained nor buttress prevents the failure; neither drained nor buttress keeps debris from house; "
+    neither = "Neither drained nor buttress prevents the failure in these runs; neither drained nor buttress keeps debris from house; "
     moved = {"displacement_magnitude": [0.0, 10.0, 0.0, 3.6, 0.0, 10.0]}
     assert said(**fails, **moved) == f"{neither}of the displacement drained saves 6.40 m (64 %) and buttress saves nothing."
     moved = {"displacement_magnitude": [0.0, 10.0, 0.0, 3.6, 0.0, 12.0]}
@@ -217,7 +217,8 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
     braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
     one = said(findings=[""] * 5 + ["layer-held"])
     assert one.startswith(
-        f"Drained does not prevent the failure, whether buttress prevents the failure is unknown, since {braked}; drained keeps"
+        "Drained does not prevent the failure in these runs, whether buttress prevents the failure in these runs is unknown, "
+        f"since {braked}; drained keeps"
     )
     assert said(findings=["layer-held"] * 6, **fails).endswith(
         f"; what drained saves is unknown: in both {braked}; what buttress saves is unknown: in both {braked}."
@@ -228,6 +229,18 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
         "nothing to prevent"
     )
     assert verdict(table_of().drop(columns="alternative"), DIMENSIONS[:1]) == "" == said(diverged=[1, 1, 0, 0, 0, 0])
+
+
+def test_what_an_alternative_alone_is_warned_of_is_beside_the_sentence() -> None:
+    """That of the scene as it is, and of all, stands among the warnings of the study."""
+    table = table_of().rename(index=str)
+    base, other = (str(table.index[table["alternative"] == name][0]) for name in (BASE, "buttress"))
+    thin = finding("thin-layer", "numerics.spacing", subject="buttress", value=1.0, bound=4.0)
+    few = finding("few-particles", "numerics.spacing", value=4.0, bound=20.0, height=10.0)
+    assert doubts(table, [Row(thin, 2, other), Row(few, 6, other), Row(thin, 2, base)]) == (
+        "But buttress is in doubt: buttress is thin: 1 particle across, should be at least 4."
+    )
+    assert doubts(table.drop(columns="alternative"), [Row(thin, 2, other)]) == ""
 
 
 def test_a_trigger_search_may_be_made_for_alternatives(study: dict[str, Any]) -> None:
