@@ -115,7 +115,7 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         for state, part in costs
     ]
     checked = {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
-    tests, limits = preflight_seconds(checked, preflight_searches(plan.study.searches, bool(plan.searches)))
+    tests, limits = preflight_seconds(checked, preflight_searches(plan))
     checks = {CHECKED: start + tests / known.value, PREFLIGHT_FILE: start + limits / known.value}
     test_left, limits_left = (0.0 if (base / plan.folder / file).exists() else time for file, time in checks.items())
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
