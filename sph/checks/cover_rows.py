@@ -12,6 +12,7 @@ from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
 from sph.solver.physics.interface import soil_numbers
 from sph.stability.slip_surface import sides_of
+from sph.stability.standing import leaves_solid_state
 
 RUN_OUT_BY_ROWS: dict[str, dict[float, float]] = {
     "weaker": {1: 0.0, 2: 0.73, 3: 0.98, 4: 1.0},
@@ -113,14 +114,8 @@ def _cover(scene: Scene, names: tuple[str, ...], number: int, columns: list[tupl
     depths, grounds, between = zip(*columns, strict=True)
     thickness = float(np.percentile(depths, 25))
     ground = names[int(np.bincount(grounds).argmax())]
-    law = scene.numerics.interfaces if _softens(scene, number) else "both"
+    law = scene.numerics.interfaces if leaves_solid_state(scene, scene.materials[number]) else "both"
     return Cover(names[number], ground, thickness, thickness / scene.numerics.spacing, law, 2 * sum(between) > len(between))
-
-
-def _softens(scene: Scene, number: int) -> bool:
-    """Whether failed soil loses its solid state, without which it shares the strain with the ground."""
-    coupling = scene.coupling
-    return scene.materials[number].gamma > 0 or coupling.softens_by_slip or coupling.initial_state == "fluid"
 
 
 def strata(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

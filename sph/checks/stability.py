@@ -24,11 +24,12 @@ from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
 from sph.solver.run import run
 from sph.stability.extrapolation import extrapolated, two_spacings
-from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
+from sph.stability.record import SAFETY, SEARCHES, YIELD
+from sph.stability.safety import DEFAULT_RULE
 from sph.stability.search import TOLERANCE, Search, Trial
-from sph.stability.standing import divided_strength, judged, slope_height, stand, static_scene, weakened
+from sph.stability.standing import divided_strength, judged, loses_strength, slope_height, stand, static_scene, weakened
 
-QUESTIONS: dict[str, Callable[..., Search]] = {"factor-of-safety": factor_of_safety, "yield-acceleration": yield_acceleration}
+QUESTIONS: dict[str, Callable[..., Search]] = {SEARCHES[limit].code: SEARCHES[limit].find for limit in (SAFETY, YIELD)}
 """Searches for the limits of a slope, by the code of their finding."""
 
 
@@ -129,8 +130,7 @@ def of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> li
 
     Without soil that fails at the peak strength none softens, and the test at that strength is the answer.
     """
-    softens = scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or any(layer.gamma for layer in scene.layers.values())
-    if not softens or not peak.begun:
+    if not peak.begun or not any(map(loses_strength, scene.materials)):
         return []
     slip = "coupling.softening" if scene.coupling.softening is None else "coupling.softening.slip_at_peak"
     keys = (slip, "soil.cohesion", "soil.friction_angle")

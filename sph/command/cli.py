@@ -397,10 +397,12 @@ def fos(
     """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands, extrapolated to spacing 0."""
     from sph.command.stability import answer
     from sph.scene.names import check_known
+    from sph.stability.record import SAFETY, WEAKENED
 
-    check_known("--reduce", [reduce], ("strength", "S_R"))
+    reduced = {"strength": SAFETY, "S_R": WEAKENED}
+    check_known("--reduce", [reduce], reduced)
     changes, of_rule = parse_settings(set_), parse_settings(rule, "--rule")
-    return answer(reduce, scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
+    return answer(reduced[reduce], scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
 
 
 @command(
@@ -419,9 +421,10 @@ def yield_acceleration(
 ) -> Told:
     """Find the pseudo-static yield acceleration for Newmark's method: the constant horizontal acceleration at which the slope fails."""
     from sph.command.stability import answer
+    from sph.stability.record import YIELD
 
     changes, of_rule = parse_settings(set_), parse_settings(rule, "--rule")
-    return answer("acceleration", scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
+    return answer(YIELD, scene, changes, tolerance, of_rule, as_json, out, single, parse_numbers(spacings, "--spacings"))
 
 
 @command(

@@ -18,6 +18,7 @@ from sph.measures.metrics import Value
 from sph.output.run import Run
 from sph.page.answer import CHECKED, FINDINGS, STANDS
 from sph.page.build import Missing, StudyFiles, write_page
+from sph.stability.record import SEARCHES, YIELD
 from sph.storage import trajectory
 from sph.study.dimensions import CASE
 from sph.study.plan import Plan
@@ -98,9 +99,9 @@ class SoFar:
 
     def _to_come(self, found: Sequence[Path], searched: int) -> list[str]:
         """The codes of the findings that the study still searches, where these tables and so many searches are there."""
-        asked = preflight_searches(self.plan.study.searches, bool(self._searches))
+        asked = preflight_searches(self.plan)
         tests = [] if asked is None or any(path.name == Path(FINDINGS).name and path.is_file() for path in found) else [STANDS, *asked]
-        return tests + ["yield-acceleration"] * (searched < len(self._searches))
+        return tests + [SEARCHES[YIELD].code] * (searched < len(self._searches))
 
     def _values(self, path: Path, yield_acceleration: float) -> dict[str, Value]:
         """The columns of a run; measured again where its file or its yield acceleration is another one."""

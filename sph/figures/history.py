@@ -15,14 +15,14 @@ from sph.scene.schema import Scene
 from sph.storage.trajectory import Status
 
 
-def shade_shaking(ax: Axes, scene: Scene, label: str = "shaking") -> None:
+def shade_shaking(ax: Axes, scene: Scene) -> None:
     """Grey band from the start to the end of the shaking, named at its top."""
     if isinstance(scene.motion, NoMotion):
         return
     start, end = scene.motion.start, scene.motion.end
     ax.axvspan(start, end, color=SHAKING, linewidth=0, zorder=0)
     ax.annotate(
-        label,
+        "shaking",
         (0.5 * (start + end), 1.0),
         xycoords=("data", "axes fraction"),
         xytext=(0, -3),

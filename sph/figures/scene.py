@@ -58,7 +58,7 @@ def figure_scenes(drawn: Sequence[Drawn], run: Run | None = None) -> Figure:
     Posts stand at the places.  The critical slip surfaces are those of the limit equilibrium, the soil that has failed that of a ``run``
     of the first scene.  A panel each for cohesion and friction angle follows where they vary in space.
     """
-    panels = [_Panel.of(each.scene, each.particles) for each in drawn]
+    panels = [_Panel.of(each.scene) for each in drawn]
     figure = Figure(figsize=(WIDTH, 1.0), layout="constrained")
     parts = figure.subfigures(len(drawn), 1, squeeze=False, height_ratios=[each.high for each in panels]).ravel()
     lines = [_draw(*each) for each in zip(parts, drawn, panels, [run, *[None] * (len(drawn) - 1)], strict=True)]
@@ -75,7 +75,7 @@ class _Panel(NamedTuple):
     high: float  # inch, without the legend
 
     @classmethod
-    def of(cls, scene: Scene, particles: Particles) -> _Panel:
+    def of(cls, scene: Scene) -> _Panel:
         width, height = scene.geometry.width, scene.geometry.height
         thick = scene.walls.layers * scene.numerics.spacing
         reach, below = thick + 0.06 * width, thick + 0.03 * height

@@ -41,15 +41,15 @@ from sph.page.tables import Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
+from sph.stability.record import SAFETY, SEARCHES, YIELD
 from sph.storage.trajectory import Status
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, BASE, CASE, Dimension, shown_unit, title_of
 from sph.study.preflight import Row, read_preflight
-from sph.study.runs import SAFETY, YIELD
 from sph.study.tables import EXPECTED
 
 FINDINGS, CHECKED = "{fidelity}/preflight.csv", "{fidelity}/checked.csv"
 """What was found in the scenes before their runs: errors and warnings are told; and what is known of that before the searches."""
-SEARCHES = "{fidelity}/stages/{limit}*.nc"
+SEARCH_FILES = "{fidelity}/stages/{limit}*.nc"
 """The searches for a limit of the slopes, where they were made."""
 CRITICAL = "*/trigger/trigger.csv"
 """The search for the critical intensities, where it was made."""
@@ -98,13 +98,14 @@ def answer(
     why = held_back(table, rows)
     less = f"it may fail at less: {why}" if why else ""
 
-    def sought(code: str, limit_of: str, command: str) -> tuple[str, str]:
+    def sought(limit_of: str, command: str) -> tuple[str, str]:
+        code = SEARCHES[limit_of].code
         files = [file for file in found(_files(limit_of)) if f"{ALTERNATIVE}-" not in Path(file).stem]  # those of the scene as it is
         return _unless(to_come, code, limit(findings, code, files, "" if client else command))
 
-    factor, how = sought("factor-of-safety", SAFETY, "sph fos")
+    factor, how = sought(SAFETY, "sph fos")
     how += few_rows(findings)
-    critical, statically = sought("yield-acceleration", YIELD, "sph yield-acceleration")
+    critical, statically = sought(YIELD, "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
@@ -234,7 +235,7 @@ def held_back(table: pd.DataFrame, rows: Sequence[Row]) -> str:
 
 
 def _files(limit: str) -> str:
-    return SEARCHES.replace("{limit}", limit)
+    return SEARCH_FILES.replace("{limit}", limit)
 
 
 def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row], client: bool, size: int) -> list[str]:

@@ -24,11 +24,12 @@ from sph.page.tables import moves_on
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
+from sph.stability.record import SLOPE_LIMITS
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.dimensions import AMPLITUDE, Dimension, dimension
 from sph.study.preflight import Row
-from sph.study.runs import OF_MEAN, SLOPE_LIMITS
+from sph.study.runs import OF_MEAN
 from sph.study.tables import read_csv
 from sph.study.verdicts import tally
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,12 +26,39 @@ from sph.storage.files import alone, beside, tidy
 from sph.storage.netcdf import Array, Group
 from sph.storage.sources import sources_digest
 
-SEARCHES: dict[str, Callable[..., Search]] = {
-    "factor_of_safety": factor_of_safety,
-    "critical_strength_ratio": critical_strength_ratio,
-    "yield_acceleration": yield_acceleration,
+
+class Limit(NamedTuple):
+    """A limit of a slope that can be searched for."""
+
+    name: str
+    symbol: str
+    unit: str
+    find: Callable[..., Search]
+
+    @property
+    def by(self) -> str:
+        """What files and studies call it."""
+        return self.name.replace(" ", "_")
+
+    @property
+    def code(self) -> str:
+        """Of its finding."""
+        return self.name.replace(" ", "-")
+
+
+SEARCHES: dict[str, Limit] = {
+    limit.by: limit
+    for limit in (
+        Limit("yield acceleration", "a", "m/s2", yield_acceleration),
+        Limit("factor of safety", "F", "-", factor_of_safety),
+        Limit("critical strength ratio", "S_R", "-", critical_strength_ratio),
+    )
 }
-"""What can be searched for, by name."""
+"""What can be searched for."""
+YIELD, SAFETY, WEAKENED = SEARCHES
+SLOPE_LIMITS = (YIELD, SAFETY)
+"""The limits of a slope: every study searches the first with particles as fine as its own, the other where that is asked for; before its
+runs both at coarse spacings."""
 Made = list[tuple[At, Trial]]
 """Trials and where they were made."""
 NOTHING = Search(math.nan, math.nan, ())
@@ -49,16 +76,17 @@ def run_search(
     The search is at the scene's own spacing or, if it ``extrapolates``, at that and twice as coarse a one (``unasked_spacings``).
     """
     limit: Search | Extrapolated
+    find = SEARCHES[by].find
     try:
         if extrapolates:
             static_scene(scene, DEFAULT_RULE)  # refuses a spacing too coarse for any test, though those of the search are finer
             spacings = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
             limit = extrapolated(
-                SEARCHES[by], scene, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings, known=known
+                find, scene, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings, known=known
             )
         else:
             at = (scene.numerics.spacing, 1.0)
-            limit = SEARCHES[by](scene, report=lambda trial: report(at, trial), known=(known or {}).get(at))
+            limit = find(scene, report=lambda trial: report(at, trial), known=(known or {}).get(at))
     except ValueError as error:
         return search_group(scene, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
     return search_group(scene, by, limit).assign_attrs(extrapolates=int(extrapolates))

@@ -164,6 +164,16 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, sof
     return make_scene(merge(scene.model_dump() | {"motion": {}}, dotted(changes)), scene.name)
 
 
+def loses_strength(material: LayerMaterial) -> bool:
+    """Whether soil of a material loses strength once it has failed, with time or with slip."""
+    return material.gamma > 0 or (material.softening is not None and material.softening.by_slip)
+
+
+def leaves_solid_state(scene: Scene, material: LayerMaterial) -> bool:
+    """Whether soil of a material moves as debris once it has failed: it loses strength, or has had no solid state from the start."""
+    return loses_strength(material) or scene.coupling.initial_state == "fluid"
+
+
 def _without_loss(scene: Scene) -> dict[str, Any]:
     """Dotted keys with which no soil loses strength."""
     return {

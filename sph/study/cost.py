@@ -26,7 +26,7 @@ from sph.solver.particles import place_particles
 from sph.solver.simulation import POWER_ITERATIONS
 from sph.stability.extrapolation import at_spacing, unasked_spacings
 from sph.stability.record import SEARCHES
-from sph.stability.standing import FailureRule, static_scene
+from sph.stability.standing import FailureRule, leaves_solid_state, static_scene
 from sph.study.runs import SIMULATION, Kind, PlannedRun
 
 RECONSTRUCTED = 1.95
@@ -76,13 +76,14 @@ def cost(scene: Scene, since: float = 0.0, until: float | None = None) -> Cost:
     numerics, outputs, settled = scene.numerics, scene.outputs, scene.gravity.duration
     n = place_particles(scene).x.size
     neighbours = math.pi * (2 * numerics.smoothing_length / numerics.spacing) ** 2
-    calm, debris = _substeps(scene)
+    fails = any(leaves_solid_state(scene, material) for material in scene.materials)
+    calm, debris = _substeps(scene, fails)
     before, after = max(min(until, settled) - since, 0.0), max(until - max(since, settled), 0.0)
     steps = scene.steps(before) * calm + scene.steps(after) * debris
     frames = (until - since) / outputs.frame_interval
     (_, toe), (_, crest) = scene.geometry.toe, scene.geometry.crest
     reach = numerics.gradient_tolerance * numerics.spacing
-    renewed = min(steps, (crest - toe) / reach * _softens(scene) * (after > 0)) if reach else steps
+    renewed = min(steps, (crest - toe) / reach * fails * (after > 0)) if reach else steps
     viscosity = numerics.artificial_viscosity
     reconstructed = RECONSTRUCTED if viscosity is not None and viscosity.reconstruction == "linear" else 1.0
     a_step = n * (neighbours * NEIGHBOUR + PARTICLE) * reconstructed
@@ -146,18 +147,14 @@ def _tests(*tests: tuple[int, Cost]) -> Cost:
     )
 
 
-def _softens(scene: Scene) -> bool:
-    return scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or scene.coupling.initial_state == "fluid"
-
-
-def _substeps(scene: Scene) -> tuple[int, int]:
-    """Steps made for a time step of the scene, in the gravity stage and with debris."""
+def _substeps(scene: Scene, fails: bool) -> tuple[int, int]:
+    """Steps made for a time step of the scene, in the gravity stage and after it: with debris where soil ``fails``."""
     numerics = scene.numerics
     if numerics.adaptive_step is None:
         return 1, 1
     limits = [limit.seconds for limit in step_limits(scene)]
     acoustic, smallest = limits[0], min(limits)
-    stiffening = STIFFENING * numerics.smoothing_length / numerics.spacing if _softens(scene) else 1.0
+    stiffening = STIFFENING * numerics.smoothing_length / numerics.spacing if fails else 1.0
     debris = min(smallest, acoustic / max(stiffening, 1.0))
     calm, moving = (math.ceil(numerics.time_step / (numerics.adaptive_step.courant * limit) - 1e-9) for limit in (smallest, debris))
     return max(calm, 1), max(moving, 1)

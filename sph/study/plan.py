@@ -18,9 +18,10 @@ from sph.measures.fields import check_probe
 from sph.measures.places import check_places, check_same_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, check_unit, written_amplitude
+from sph.stability.record import YIELD
 from sph.storage.files import whole
 from sph.study.dimensions import ALTERNATIVE, BASE, RECORD, Dimension, dimension, short_names, title_of, value_of
-from sph.study.runs import YIELD, BaseScene, Kind, PlannedRun, SharedRuns
+from sph.study.runs import BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
 from sph.study.tables import MAX_SLOPES, Layout

@@ -27,6 +27,7 @@ from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json, to_json
 from sph.solver.particles import place_particles
 from sph.stability.extrapolation import RATIO, at_spacing, unasked_spacings
+from sph.stability.record import SEARCHES, YIELD
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, dividing, slope_height, static_scene, weakened
 from sph.storage.trajectory import Variable
@@ -129,13 +130,14 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
     return slopes
 
 
-def preflight_searches(asked: str, elsewhere: bool) -> tuple[str, ...] | None:
+def preflight_searches(plan: Plan) -> tuple[str, ...] | None:
     """Limits that the preflight of a study searches, by its key ``searches``; None: its slopes are not tested either.
 
     Not the yield acceleration where it is searched elsewhere, for the sliding block.
     """
-    quick = elsewhere or asked == "quick"
-    return None if asked == "none" else tuple(code for code in QUESTIONS if not (quick and code == "yield-acceleration"))
+    asked = plan.study.searches
+    quick = asked == "quick" or bool(plan.searches)
+    return None if asked == "none" else tuple(code for code in QUESTIONS if not (quick and code == SEARCHES[YIELD].code))
 
 
 def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] | None = tuple(QUESTIONS)) -> tuple[float, float]:
@@ -145,7 +147,7 @@ def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] | Non
     runs, statics, quick, _ = _slopes(scenes)
     tests, limits, slopes = 0.0, 0.0, set[str]()
     coarse, fine = (len(searches) * trials for trials in QUICK_TRIALS)
-    coarse += QUICK_SENSITIVITY * ("yield-acceleration" in searches)
+    coarse += QUICK_SENSITIVITY * (SEARCHES[YIELD].code in searches)
     for (peak_key, _), names in runs.items():
         first = peak_key not in slopes
         if tests <= LONGEST:
@@ -160,7 +162,7 @@ def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] | Non
 def plan_seconds(plan: Plan) -> tuple[float, float]:
     """The same of the runs of a study that are checked."""
     checked = {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MAX_SCENES)}
-    return preflight_seconds(checked, preflight_searches(plan.study.searches, bool(plan.searches)))
+    return preflight_seconds(checked, preflight_searches(plan))
 
 
 def search_seconds(scene: Scene, trials: Sequence[float]) -> float:

@@ -23,11 +23,9 @@ from sph.scene.strict_json import to_json
 from sph.scene.uncertain import at_mean
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.solver.run import Until
+from sph.stability.record import SLOPE_LIMITS, YIELD
 from sph.study.dimensions import ALTERNATIVE, BASE, point_name, scene_key, value_of
 
-YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
-SLOPE_LIMITS = (YIELD, SAFETY)
-"""The limits of a slope: every study searches the first, the other is searched where it is asked for."""
 SIMULATION = "simulation"
 MAX_KEPT = 10_000
 """Scenes of a study that stay in memory, of 4 to 25 kB each."""
@@ -222,9 +220,9 @@ class SharedRuns:
         """The gravity stage of a run."""
         return self._gravity_of[run]
 
-    def search_of(self, run: str, limit: str = YIELD) -> PlannedRun:
-        """The search for a limit of the slope of a run."""
-        return self._searches[self._gravity_of[run].id, limit]
+    def search_of(self, run: str) -> PlannedRun:
+        """The search for the yield acceleration of the slope of a run."""
+        return self._searches[self._gravity_of[run].id, YIELD]
 
     def searches(self, limit: str) -> list[PlannedRun]:
         """The searches for a limit of all slopes."""

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from calling import call
 from synthetic import study_row, synthetic
-from typer.testing import CliRunner
 
 from sph.checks.after_run import energy_open, found_after, is_open
 from sph.checks.messages import words
-from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings
 from sph.output.run import Run
@@ -40,7 +39,7 @@ def test_energy_that_is_made_or_lost_is_a_finding_from_the_limit_on(share: float
     assert values["findings"] == "energy-open" * told
     assert [each.code for each in found_after(run)] == ["energy-open"] * told
     trajectory.write(tmp_path / "run.nc", run.trajectory)
-    assert ("[energy-open]" in CliRunner().invoke(app, ["metrics", str(tmp_path / "run.nc")]).stderr) == told
+    assert ("[energy-open]" in call("metrics", tmp_path / "run.nc").stderr) == told
 
 
 def test_the_finding_names_the_share_the_limit_and_the_remedy() -> None:

@@ -7,11 +7,10 @@ from typing import Any
 
 import pytest
 import yaml
-from typer.testing import CliRunner
+from calling import call
 
 from sph.checks.liquefaction import of_liquefaction
 from sph.checks.messages import words
-from sph.command.cli import app
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
 from sph.solver.particles import place_particles
@@ -49,7 +48,7 @@ def test_layers_have_the_factors_of_the_simplified_procedure() -> None:
 def test_the_command_tells_them_for_a_magnitude(tmp_path: Path) -> None:
     path = tmp_path / "ground.yaml"
     path.write_text(yaml.safe_dump(GROUND))
-    asked = CliRunner().invoke(app, ["check", str(path), "--magnitude", "7.5"])
+    asked = call("check", path, "--magnitude", "7.5")
     assert asked.exit_code == 0 and "soil liquefies in the earthquake" in asked.output, asked.output
     assert "factor of safety" in words(of_liquefaction(make_scene(GROUND), place_particles(make_scene(GROUND)), 7.5)[0]).measured
-    assert "liquefies" not in CliRunner().invoke(app, ["check", str(path)]).output
+    assert "liquefies" not in call("check", path).output

@@ -9,9 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from typer.testing import CliRunner
-
-from sph.command.cli import app
+from calling import call
 
 BLOCK = {
     "scheme": "paper",
@@ -46,5 +44,5 @@ def test_a_file_that_is_no_scene_is_refused_before_anything_is_compiled(tmp_path
     good, bad = tmp_path / "block.yaml", tmp_path / "bad.yaml"
     good.write_text(yaml.safe_dump(BLOCK))
     bad.write_text("name: [")
-    result = CliRunner().invoke(app, ["compile", str(good), str(bad)])
+    result = call("compile", good, bad)
     assert result.exit_code == 2 and "bad.yaml" in result.output and "ready" not in result.output

@@ -9,11 +9,10 @@ from typing import Any
 
 import pytest
 import yaml
+from calling import call
 from jsonschema import Draft202012Validator
 from small_scenes import SLOPE
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.command.schema import MODELS, json_schema, schema_file, schema_text
 from sph.jobs.exit_codes import REFUSED
 
@@ -58,6 +57,6 @@ def test_mistakes_are_marked_and_what_is_read_is_not(name: str, good: dict[str, 
 
 
 def test_the_command_prints_a_schema() -> None:
-    assert json.loads(CliRunner().invoke(app, ["schema", "study"]).stdout) == json_schema("study")
-    refused = CliRunner().invoke(app, ["schema", "scen"])
+    assert json.loads(call("schema", "study").stdout) == json_schema("study")
+    refused = call("schema", "scen")
     assert refused.exit_code == REFUSED and "did you mean scene?" in refused.stderr

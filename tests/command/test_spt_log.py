@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
+from calling import call
 
-from sph.command.cli import app
 from sph.scene.schema import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,7 +18,7 @@ COARSE = ("--set", "numerics.spacing=2", "--set", "coupling.softening.width=6")
 
 
 def sph(*words: str) -> str:
-    done = CliRunner().invoke(app, words)
+    done = call(*words)
     assert done.exit_code == 0, done.output
     return " ".join(done.output.split())
 

@@ -10,9 +10,8 @@ from typing import Any
 import netCDF4
 import pytest
 import yaml
-from typer.testing import CliRunner
+from calling import call
 
-from sph.command.cli import app
 from sph.command.status import Job, State, look_at
 from sph.command.study import find_study
 from sph.jobs.catalogue import Catalogue
@@ -98,7 +97,7 @@ def test_sensitivity_is_listed_with_its_indices_once_the_factors_are_known(study
     (first, *_) = states_of(catalogue)
     finish(catalogue.base, first.job)
     assert states_of(catalogue)[0].state == "done"
-    shown = CliRunner().invoke(app, ["status", str(study), "--json"])
+    shown = call("status", study, "--json")
     assert shown.exit_code == 0 and sum(job["state"] == "done" for job in json.loads(shown.stdout)["jobs"]) == 1
 
 

@@ -17,10 +17,10 @@ from sph.jobs.catalogue import Catalogue
 from sph.measures.metrics import MetricSettings
 from sph.scene import schema
 from sph.solver import particles
+from sph.stability.record import SAFETY
 from sph.storage import trajectory
 from sph.study.cost import needs
 from sph.study.planned import planned
-from sph.study.runs import SAFETY
 
 ROOT = Path(__file__).resolve().parents[2]
 LAYERED = {"clay": {"region": {"kind": "depth", "top": 5.0}, "soil": {"cohesion": 60.0}, "S_R": 0.1}}

@@ -67,8 +67,11 @@ def test_what_costs_more(small_slope: SceneBuilder) -> None:
     assert cost(small_slope({"numerics.gradient_tolerance": 0.0})).seconds > 1.3 * cost(scene).seconds
     assert cost(small_slope({"outputs.frame_interval": 0.01})).disk > 5 * cost(scene).disk
     adaptive = {"numerics.adaptive_step": {"courant": 0.8}, "numerics.time_step": 0.01}
-    calm = small_slope({"coupling": {"gamma": 0.0, "solid_after_failure": "elastic_plastic"}} | adaptive)
-    assert cost(calm).steps < cost(small_slope(adaptive)).steps
+    calm: dict[str, Any] = {"coupling": {"gamma": 0.0, "solid_after_failure": "elastic_plastic"}} | adaptive
+    assert cost(small_slope(calm)).steps < cost(small_slope(adaptive)).steps
+    layer = {"region": {"kind": "depth", "top": 5.0}, "soil": {}}
+    kept, lost = (small_slope(calm | {"layers": {"deep": layer | {"gamma": gamma}}}) for gamma in (0.0, 1.0))
+    assert cost(kept).steps < cost(lost).steps == cost(small_slope(adaptive)).steps, "a layer alone may become debris"
 
 
 @pytest.mark.long

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import statistics
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import netCDF4
@@ -88,6 +89,11 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     assert many["wall"] >= one["run"], "no run is shorter for all the cores"
 
 
+def asking(searches: str) -> Any:
+    """A plan with a value of the key ``searches``, of which no yield acceleration is searched."""
+    return SimpleNamespace(study=SimpleNamespace(searches=searches), searches={})
+
+
 def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As many static tests as it makes: each slope, each residual strength, and the searches of a slope."""
     catalogue = find_study(None, config)
@@ -98,9 +104,9 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     standing = standing_scene(slope)
     tests = (1 + 2) * cost(static_scene(standing, DEFAULT_RULE)).seconds + cost(settled(standing)).seconds
     a_search = QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine
-    quick = preflight_searches("full", elsewhere=True)
-    assert quick == preflight_searches("quick", elsewhere=False) == ("factor-of-safety",)
-    assert len(preflight_searches("full", elsewhere=False) or ()) == 2 and preflight_searches("none", elsewhere=False) is None
+    quick = preflight_searches(plan)
+    assert quick == preflight_searches(asking("quick")) == ("factor-of-safety",) and plan.searches
+    assert len(preflight_searches(asking("full")) or ()) == 2 and preflight_searches(asking("none")) is None
     seconds = preflight_seconds(scenes, quick)
     assert seconds == pytest.approx((tests, a_search)), "one slope, two values of S_R, a search"
     with_yield = pytest.approx((tests, 2 * a_search + QUICK_SENSITIVITY * coarse))

@@ -9,10 +9,9 @@ from typing import Any
 
 import pytest
 import yaml
+from calling import call
 from test_workflow import ROOT, STUDY, planned_jobs, snakemake
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.experiments.registry import CONFIGURED, load_study
 from sph.jobs.catalogue import Catalogue
 from sph.scene.schema import Scene, make_scene
@@ -55,7 +54,7 @@ def test_a_configuration_that_two_readers_take_differently_is_refused_by_both(
         result = snakemake(folder, "--dry-run", *own)
         assert result.returncode != 0
         assert f"bad.yaml: cannot be read as YAML: {wanted}" in result.stdout + result.stderr
-    told = CliRunner().invoke(app, ["cost", str(folder / "bad.yaml")])
+    told = call("cost", folder / "bad.yaml")
     assert told.exit_code == 2 and wanted in told.stderr
 
 

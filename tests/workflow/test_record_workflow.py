@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from calling import call
 from small_scenes import SLOPE
 from test_workflow import STUDY, snakemake
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.storage import trajectory
 
 TIME = np.arange(100) * 0.01
@@ -53,5 +52,5 @@ def test_the_amplitude_scales_both_components(shaken: Path) -> None:
 
 def test_a_run_is_repeated_without_its_record(shaken: Path) -> None:
     (shaken / "scenes" / "record.csv").unlink()
-    result = CliRunner().invoke(app, ["run", str(shaken / RUNS[1]), "--out", str(shaken / "again.nc")])
+    result = call("run", shaken / RUNS[1], "--out", shaken / "again.nc")
     assert result.exit_code == 0 and "every variable is identical" in result.stderr, result.output

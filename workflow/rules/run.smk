@@ -4,6 +4,7 @@
 import re
 
 from sph.jobs.catalogue import ALONE
+from sph.stability.record import SLOPE_LIMITS
 
 
 include: "functions/run.smk"
@@ -46,7 +47,7 @@ rule stage:
 
 use rule stage as search with:  # of a limit of a slope by many runs: after the runs, before figures, since tables wait for it
     wildcard_constraints:
-        run="(yield_acceleration|factor_of_safety).*",
+        run=f"({'|'.join(SLOPE_LIMITS)}).*",
     priority: 5
     params:
         **simulated(stage_row, "search"),

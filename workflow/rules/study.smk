@@ -1,8 +1,8 @@
 # Purpose: what is found of the slopes beside the runs; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
 # Outputs: checked.csv, preflight.csv, parts/*.csv, study.nc, study.csv
+from sph.stability.record import SAFETY
 from sph.study.preflight import preflight_searches
-from sph.study.runs import SAFETY
 from sph.study.searches import slope_searches
 
 
@@ -23,7 +23,7 @@ rule check:
             lambda wildcards: {
                 "planned": planned_slopes(),
                 "size": len(PLAN.study.runs),
-                "tested": PLAN.study.searches != "none",
+                "tested": preflight_searches(PLAN) is not None,
             }
         ),
         # made with the input: nothing that asks for the tests again
@@ -54,9 +54,7 @@ rule preflight:
         **told(
             lambda wildcards: {
                 "planned": planned_slopes(),
-                "searches": preflight_searches(
-                    PLAN.study.searches, bool(PLAN.searches)
-                ),
+                "searches": preflight_searches(PLAN),
             }
         ),
         sources=SEARCHING + ANALYSIS,

@@ -207,7 +207,7 @@ def bracketed_alike(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
     return np.where(under, 0.0, np.where(over, highest, below)), np.where(over, math.inf, np.where(under, lowest, above))
 
 
-def lognormality(values: np.ndarray, seed: int = SEED) -> tuple[float, float]:
+def lognormality(values: np.ndarray) -> tuple[float, float]:
     """Distance of Kolmogorov and Smirnov of values (n,) from the lognormal distribution of their mean and spread, and its p-value.
 
     The p-value is by simulation, since mean and spread are those of the values (Lilliefors 1967); NaN for fewer than ``FEWEST``, and for
@@ -215,7 +215,7 @@ def lognormality(values: np.ndarray, seed: int = SEED) -> tuple[float, float]:
     """
     if values.size < FEWEST or np.ptp(values) == 0.0:
         return math.nan, math.nan
-    test = scipy.stats.goodness_of_fit(scipy.stats.norm, np.log(values), statistic="ks", n_mc_samples=999, rng=np.random.default_rng(seed))
+    test = scipy.stats.goodness_of_fit(scipy.stats.norm, np.log(values), statistic="ks", n_mc_samples=999, rng=np.random.default_rng(SEED))
     return float(test.statistic), float(test.pvalue)
 
 

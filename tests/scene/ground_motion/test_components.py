@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calling import call
 from record_files import afad, csmip, esm, geonet, unam
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.scene.ground_motion import read_components, read_record
 from sph.scene.ground_motion.component import Component, chosen
 from sph.scene.ground_motion.record import Record
@@ -226,7 +225,7 @@ def test_peer_files_of_other_quantities_name_the_one_of_acceleration(tmp_path: P
     path = written(tmp_path, name, "")
     with pytest.raises(ValueError, match=rf"of {quantity}, .*name the \.AT2 file.*\({Path(name).stem}\.AT2\)"):
         read_components(path)
-    result = CliRunner().invoke(app, ["motion", str(path)])
+    result = call("motion", path)
     assert result.exit_code == 2 and "the .AT2 file" in result.stderr
 
 
@@ -275,26 +274,26 @@ def test_a_scene_without_a_component_of_its_file_is_refused(tmp_path: Path, comp
 def test_commands_take_a_component(tmp_path: Path) -> None:
     path = written(tmp_path, "a.txt")
     for component, peak in (("E-W", EAST), ("3", NORTH)):
-        result = CliRunner().invoke(app, ["motion", str(path), "--component", component, "--json"])
+        result = call("motion", path, "--component", component, "--json")
         assert result.exit_code == 0, result.output
         found = json.loads(result.stdout)
         assert found["horizontal"]["peak_acceleration"] == pytest.approx(np.abs(peak).max(), abs=1e-7)
         assert found["vertical"]["peak_acceleration"] == pytest.approx(np.abs(UP).max(), abs=1e-7)
-    slid = CliRunner().invoke(app, ["newmark", str(path), "--component", "N-S", "--ay", "0.1 m/s2", "--json"])
+    slid = call("newmark", path, "--component", "N-S", "--ay", "0.1 m/s2", "--json")
     assert slid.exit_code == 0 and json.loads(slid.stdout)["peak_acceleration"] == pytest.approx(-1.5, rel=0.01), slid.output
-    result = CliRunner().invoke(app, ["motion", str(path)])
+    result = call("motion", path)
     assert result.exit_code == 2 and "--component of a command" in result.stderr
-    result = CliRunner().invoke(app, ["motion", str(ROOT / "config" / "scenes" / "paper.yaml"), "--component", "E-W"])
+    result = call("motion", ROOT / "config" / "scenes" / "paper.yaml", "--component", "E-W")
     assert result.exit_code == 2 and "--set motion.component=E-W" in result.stderr
 
 
 def test_a_new_scene_takes_a_component(tmp_path: Path) -> None:
     path = written(tmp_path, "a.V2")
     ground = str(ROOT / "config" / "ground" / "gentle_layered.csv")
-    result = CliRunner().invoke(app, ["new", ground, str(path), "--component", "H2", "--out", str(tmp_path / "own")])
+    result = call("new", ground, path, "--component", "H2", "--out", tmp_path / "own")
     assert result.exit_code == 0, result.output
     motion = load_scene(tmp_path / "own" / "scene.yaml").motion
     assert isinstance(motion, Record) and motion.component == "H2" and motion.data is not None
     np.testing.assert_allclose(motion.data.x, NORTH, atol=1e-7)
-    refused = CliRunner().invoke(app, ["new", ground, str(path), "--out", str(tmp_path / "other")])
+    refused = call("new", ground, path, "--out", tmp_path / "other")
     assert refused.exit_code == 2 and "--component" in refused.stderr and not (tmp_path / "other").exists()

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calling import call
 from record_files import at2, cosmos, knet, smc
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.scene.ground_motion import read_components, read_record
 from sph.scene.ground_motion.direction import Direction
 from sph.scene.ground_motion.units import Unit
@@ -474,7 +473,7 @@ def test_an_unknown_ending_is_told_the_formats(tmp_path: Path, ending: str) -> N
     with pytest.raises(ValueError, match=r"PEER \.at2, K-NET.*COSMOS.*\.csv"):
         read_components(path)
     for command in (["motion"], ["newmark", "--ay", "1m/s2"]):
-        result = CliRunner().invoke(app, [command[0], str(path), *command[1:]])
+        result = call(command[0], path, *command[1:])
         assert result.exit_code == 2 and ("PEER .at2" in result.stderr or not ending), result.output
 
 

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from calling import call
 from record_files import at2, knet
 from small_scenes import SLOPE
-from typer.testing import CliRunner
 
-from sph.command.cli import app
 from sph.experiments.registry import load_study
 from sph.page.tables import key_rows
 from sph.scene.configuration import merge, read_scene, scene_files
@@ -174,7 +173,7 @@ def test_a_gap_is_named_where_it_is(records: Path) -> None:
     with pytest.raises(ValueError, match=message):
         make_scene(shaken(file=str(records / "gap.csv")))
     for command in (["motion"], ["newmark", "--ay", "1m/s2"]):
-        result = CliRunner().invoke(app, [command[0], str(records / "gap.csv"), *command[1:]])
+        result = call(command[0], records / "gap.csv", *command[1:])
         assert result.exit_code == 2 and "has a gap of 0.105 s between sample 100" in result.stderr
 
 
@@ -318,15 +317,15 @@ def test_a_record_that_drifts_is_told(records: Path) -> None:
         scene = records / "slope.yaml"
         scene.write_text(yaml.safe_dump(shaken(file="k.EW")))
         for command in (("check",), ("info",), ("motion",), ("newmark", "--ay", "1m/s2")):
-            result = CliRunner().invoke(app, [command[0], str(scene), *command[1:], *arguments])
+            result = call(command[0], scene, *command[1:], *arguments)
             assert ("the record drifts" in result.output) == drifts, result.output
     assert "drifts" in motion(records / "k.EW").stderr
-    assert "drifts" in CliRunner().invoke(app, ["newmark", str(records / "k.EW"), "--ay", "1m/s2"]).stderr
+    assert "drifts" in call("newmark", records / "k.EW", "--ay", "1m/s2").stderr
 
 
 def test_the_sliding_block_says_that_it_feels_no_vertical_component(records: Path) -> None:
     for vertical in (None, VERTICAL):
-        result = CliRunner().invoke(app, ["newmark", str(written(records, vertical=vertical)), "--ay", "1m/s2"])
+        result = call("newmark", written(records, vertical=vertical), "--ay", "1m/s2")
         assert result.exit_code == 0 and ("motion.vertical does not act" in result.stderr) == (vertical is not None)
 
 
@@ -369,7 +368,7 @@ def test_the_files_of_a_record_in_an_override_are_looked_for_in_the_working_fold
 
 
 def motion(*arguments: object) -> Any:
-    return CliRunner().invoke(app, ["motion", *map(str, arguments)])
+    return call("motion", *arguments)
 
 
 def test_the_command_measures_a_record_and_what_a_scene_makes_of_it(records: Path) -> None:
