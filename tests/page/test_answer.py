@@ -215,7 +215,7 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert said(bare.assign(alternative="drained"), []).startswith("With drained, at 4 m/s2 (0.408 g) 3 of 4 runs fail"), "so far"
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
     held = said(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
-    assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")
+    assert held.endswith("no run fails, but weak soil is held back and might fail with more rows: 2 rows of particles in cover.")
     away = Row(finding("block-runs-away", value=0.417, bound=0.1, strength=0.39, residual=0.36), 3, "5")
     stable = runs.assign(collapse_class="stable").set_index(runs.index.astype(str))
     assert said(stable, [away]) == (
