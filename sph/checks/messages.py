@@ -565,15 +565,12 @@ MESSAGES: dict[str, Message] = {
         meaning="a weak layer between two stronger soils has fewer than two rows of particles, and cannot slide",
     ),
     "cover-rows": note(
-        "{subject}, weak soil on stronger {ground}, has enough rows not to be braked by it",
+        lambda of: "{subject}, weak soil on stronger {ground}, " + ("slides on a seam" if of["factor"] == 1.0 else "has rows enough"),
         lambda of: (
-            "{rows:.2g} rows of particles in {thickness:.3g} m, with which "
-            + (
-                f"the factor of safety is up to {of['factor'] - 1.0:.0%} too high and "
-                if of["factor"] > 1.0
-                else f"it fails on its seam, up to {EARLY_ON_SEAM:.0%} too early, and "
-            )
-            + _ran(of)
+            f"on it a cover fails up to {EARLY_ON_SEAM:.0%} too early, and does not run as far as one without a seam"
+            if of["factor"] == 1.0
+            else "{rows:.2g} rows of particles in {thickness:.3g} m, with which the factor of safety is up to "
+            f"{of['factor'] - 1.0:.0%} too high and {_ran(of)}"
         ),
         meaning="weak soil on stronger ground has enough rows of particles for its run-out and for what sets it off",
     ),

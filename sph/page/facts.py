@@ -96,7 +96,11 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
 def few_rows(findings: Sequence[Finding]) -> str:
     """How many rows of particles weak soil on stronger ground has in the quick search for the factor of safety, where they are too few."""
     fine = [of.numbers["fine"] for of in findings if of.code == "factor-of-safety"]
-    thickness = {of.subject: of.numbers["thickness"] for of in findings if of.code in ("cover-rows", "cover-late", "weak-on-strong")}
+    thickness = {
+        of.subject: of.numbers["thickness"]
+        for of in findings
+        if of.numbers.get("factor", 2.0) > 1.0 and of.code in ("cover-rows", "cover-late", "weak-on-strong")
+    }
     few = [(deep / min(fine), name) for name, deep in thickness.items() if fine]
     return "".join(
         f"; with {rows:.2g} rows of particles in {name} at most, which make it up to {factor_with(rows) - 1.0:.0%} too high"

@@ -103,6 +103,13 @@ def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None
     assert [fact[1:] for fact in at_places(LOST.assign(findings="layer-held"), why)] == [("not reached in 0 runs", "")] * 2
 
 
+def test_a_place_below_a_cover_that_stands_for_lack_of_rows_is_not_out_of_reach() -> None:
+    """Of runs that came down it is."""
+    late = RUNS.assign(findings="cover-late", diverged=0, collapse_class="stable")
+    assert at_places(late)[1][1] == "unknown in 6 runs, whose debris is braked"
+    assert at_places(late.assign(collapse_class="collapse"))[1][1] == "not reached in 6 runs"
+
+
 @pytest.mark.parametrize("code", ["weak-on-strong", "layer-held"])
 def test_braked_debris_is_a_lower_bound_with_its_reason(code: str) -> None:
     rows = [Row(finding(code, subject="cover", value=1.9, rows=1.9), 4, "a"), Row(finding("few-particles", value=1, bound=2), 6, "a")]
