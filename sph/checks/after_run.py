@@ -10,7 +10,7 @@ import numpy as np
 
 from sph.checks.cover_rows import covers
 from sph.checks.finding import Finding, called, finding
-from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error, main_mass
+from sph.measures.metrics import ENERGY_LIMIT, MINOR, STABLE, MetricSettings, Value, debris_metrics, energy_error, main_mass
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
@@ -24,6 +24,8 @@ LOWER_BOUND = (FRONT, OVER)
 """Sides with which displacement and run-out are lower bounds: debris would have gone further, or has been lost."""
 BRAKED = ("weak-on-strong", "layer-held")
 """Findings before a run with which they are, too: strong soil holds weak soil of few rows of particles back."""
+LATE = "cover-late"
+"""The finding with which soil that stands might fail; once it fails it runs as far as it should."""
 THICK = 4
 """Particles across a deposit at least: with four a layer of debris flows 1.16 times too far on a smooth base, with two 1.7 times
 (``tests/physics/test_thin_debris.py``)."""
@@ -41,14 +43,30 @@ def is_braked(findings: str) -> bool:
     return any(code in BRAKED for code in findings.split())
 
 
+def is_held(run: Mapping[Any, Any]) -> bool:
+    """Whether strong soil holds weak soil of few rows back, by a run's row of a study's table.
+
+    Its debris is braked, or it has not come down and might with more rows.
+    """
+    late = LATE in run["findings"].split() and run["collapse_class"] in (STABLE, MINOR)
+    return is_braked(run["findings"]) or late
+
+
+def held(table: pd.DataFrame) -> pd.Series:
+    """The same of all runs of a study's table."""
+    import pandas as pd  # here, since a run does without it
+
+    return pd.Series([is_held(run) for run in table.to_dict("records")], table.index, bool)
+
+
 def is_lower_bound(run: Mapping[Any, Any]) -> bool:
     """Whether displacement and run-out of a run are lower bounds, for either reason, by its row of a study's table."""
-    return is_bounded(run["reached_side"]) or is_braked(run["findings"])
+    return is_bounded(run["reached_side"]) or is_held(run)
 
 
 def lower_bounds(table: pd.DataFrame) -> pd.Series:
     """The same of all runs of a study's table."""
-    return (table["reached_side"].map(is_bounded) | table["findings"].map(is_braked)).astype(bool)
+    return (table["reached_side"].map(is_bounded) | held(table)).astype(bool)
 
 
 def in_motion(run: Mapping[Any, Any]) -> bool:

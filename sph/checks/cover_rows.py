@@ -1,8 +1,8 @@
-"""Rows of particles in weak soil on stronger ground, and how far its debris goes with them: facts of a scene, for findings and the page."""
+"""Rows of particles in weak soil on stronger ground: how late it fails with them and how far its debris goes, for findings and the page."""
 
 from __future__ import annotations
 
-from itertools import groupby
+from itertools import count, groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,14 @@ the slide 1.07.  These scatter: at 1.4 rows the benched hillside runs 13.9 and 1
 the acceleration of an endless incline over that which its strength allows, which is larger than the run-out where both are known (0.28
 and 0.49 with two and three rows).
 """
+FACTOR_BY_ROWS = {2: 2.00, 3: 1.41, 4: 1.26, 6: 1.24}
+"""Factor of safety of a static test over Spencer's, by rows of particles across the cover, the larger of two covers
+(docs/model/interfaces.md); with six it lies between 1.16 and this.  With either of
+``numerics.interfaces``, which are the same before failure."""
+LATE = 0.1
+"""Error of the factor of safety up to which the rows suffice to show what sets a cover off."""
+EARLY_ON_SEAM = 0.16
+"""By how much the factor of safety is too low, at most, where the base of a cover is a seam with its strength, with two and three rows."""
 CLOSE = 0.05
 """Error of the run-out up to which the rows suffice."""
 SCATTER = 0.12
@@ -40,6 +48,16 @@ STRONGER = 1.5
 2 (``sph.solver.physics.interface``).  Below it a slip surface passes through both."""
 
 
+class Bed(NamedTuple):
+    """Weak soil on stronger ground in a column."""
+
+    thickness: float  # m
+    ground: int  # number of the stronger soil
+    between: bool  # stronger soil lies on it, too
+    x: float  # of its base, in the coordinates of the survey, m
+    y: float
+
+
 class Cover(NamedTuple):
     """Weak soil on stronger ground, within the slope."""
 
@@ -49,6 +67,7 @@ class Cover(NamedTuple):
     rows: float  # of particles in that thickness
     law: str  # of the interface: that of ``numerics.interfaces``, or "both" where soil never loses its solid state
     between: bool  # stronger soil lies on it, too
+    seamed: bool = False  # a seam runs along its base, on which it slides as it should with any number of rows
 
     @property
     def held(self) -> bool:
@@ -59,6 +78,16 @@ class Cover(NamedTuple):
     def run_out(self) -> float:
         """Run-out over the converged one."""
         return 0.0 if self.held else 1.0 if self.between and self.law == "weaker" else run_out(self.law, self.rows)
+
+    @property
+    def factor(self) -> float:
+        """Factor of safety over Spencer's."""
+        return 1.0 if self.seamed else factor_with(self.rows)
+
+    @property
+    def late(self) -> bool:
+        """Whether it stands, for lack of rows, where it should fail."""
+        return is_late(self.factor)
 
     @property
     def short(self) -> bool:
@@ -78,6 +107,23 @@ def enough_rows(law: str = "weaker") -> int | None:
     return next((each for each in range(1, int(max(rows)) + 1) if run_out(law, each) >= 1.0 - CLOSE - 1e-9), None)
 
 
+def factor_with(rows: float) -> float:
+    """``FACTOR_BY_ROWS`` between the measured rows and below them; beyond them an error in proportion to the spacing."""
+    most = max(FACTOR_BY_ROWS)
+    measured = float(np.interp(rows, [*FACTOR_BY_ROWS], [*FACTOR_BY_ROWS.values()]))
+    return measured if rows <= most else 1.0 + (measured - 1.0) * most / rows
+
+
+def is_late(factor: float) -> bool:
+    """Whether a factor of safety over Spencer's is too high to show what sets a cover off."""
+    return factor > 1.0 + LATE + 1e-9
+
+
+def rows_in_time() -> int:
+    """The least number of rows with which a cover does not fail too late."""
+    return next(rows for rows in count(1) if not is_late(factor_with(rows)))
+
+
 def covers(scene: Scene) -> list[Cover]:
     """The weak soils that lie on stronger ground in most of their columns between the toe and a height behind the crest, in order.
 
@@ -95,8 +141,9 @@ def covers(scene: Scene) -> list[Cover]:
     (toe, _), (crest, _) = geometry.toe, geometry.crest
     inside = (column > toe) & (column < crest + geometry.slope_height)
     there = [int(np.count_nonzero(((number == each) & (thickness > 0.0)).any(axis=0) & inside)) for each in range(len(soils))]
-    columns: dict[int, list[tuple[float, int, bool]]] = {}
-    for parts, numbers in zip(thickness.T[inside], number.T[inside], strict=True):
+    columns: dict[int, list[Bed]] = {}
+    places = np.transpose(geometry.in_survey(column, geometry.ground(column)))[inside]
+    for parts, numbers, (x, y) in zip(thickness.T[inside], number.T[inside], places, strict=True):
         column_parts = [(part, each) for part, each in zip(parts[::-1], numbers[::-1], strict=True) if part > 0.0]  # from the ground down
         beds = [list(bed) for _, bed in groupby(column_parts, key=lambda pair: kinds[pair[1]])]
         weight, above = 0.0, None
@@ -104,18 +151,21 @@ def covers(scene: Scene) -> list[Cover]:
             depth, (first, last) = sum(part for part, _ in bed), (bed[0][1], bed[-1][1])
             under = above is not None and strength(above, 0.0, weight) >= STRONGER * strength(first, 0.0, weight)
             weight += scene.gravity.acceleration * sum(part * soils[each].density for part, each in bed)
+            y -= depth
             if below is not None and strength(below[0][1], 0.0, weight) >= STRONGER * strength(last, depth, weight):
-                columns.setdefault(last, []).append((depth, below[0][1], under))
+                columns.setdefault(last, []).append(Bed(depth, below[0][1], under, x, y))
             above = last
     return [_cover(scene, names, each, columns[each]) for each in sorted(columns) if 2 * len(columns[each]) > there[each]]
 
 
-def _cover(scene: Scene, names: tuple[str, ...], number: int, columns: list[tuple[float, int, bool]]) -> Cover:
-    depths, grounds, between = zip(*columns, strict=True)
+def _cover(scene: Scene, names: tuple[str, ...], number: int, columns: list[Bed]) -> Cover:
+    depths, grounds, between, x, base = map(np.array, zip(*columns, strict=True))
+    near = scene.numerics.spacing
+    seamed = any(2 * np.count_nonzero(seam.under(x, base + near) > base - near) > len(columns) for seam in scene.seams.values())
     thickness = float(np.percentile(depths, 25))
     ground = names[int(np.bincount(grounds).argmax())]
     law = scene.numerics.interfaces if leaves_solid_state(scene, scene.materials[number]) else "both"
-    return Cover(names[number], ground, thickness, thickness / scene.numerics.spacing, law, 2 * sum(between) > len(between))
+    return Cover(names[number], ground, thickness, thickness / scene.numerics.spacing, law, 2 * sum(between) > len(between), seamed)
 
 
 def strata(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

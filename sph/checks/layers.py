@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.checks.after_run import BRAKED
-from sph.checks.cover_rows import HELD_BELOW, Cover, covers, enough_rows, strata
+from sph.checks.cover_rows import HELD_BELOW, LATE, Cover, covers, enough_rows, rows_in_time, strata
 from sph.checks.finding import Finding, finding
 from sph.scene.geometry import Bodies
 from sph.scene.schema import Scene
@@ -46,6 +46,7 @@ class Needed(NamedTuple):
     rows: float
     enough: int
     thickness: float  # m
+    purpose: str = "needed"
 
     @property
     def spacing(self) -> float:
@@ -65,7 +66,7 @@ def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
 
 def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
     """A finding for each layer that is thin, an error instead for each that its particles do not make continuous, and for each weak soil
-    on stronger ground what its rows of particles do to its run-out."""
+    on stronger ground what its rows of particles do to what sets it off and to its run-out."""
     others, cut = [], broken(scene, particles)
     left_out = {each.subject for each in cut}
     weak = [cover for cover in covers(scene) if cover.name not in left_out]
@@ -84,7 +85,11 @@ def needed_rows(scene: Scene, particles: Particles) -> list[Needed]:
     """Rows in each weak soil on stronger ground whose need is known, and in each other layer that has too few."""
     weak = covers(scene)
     needs = [(cover, HELD_BELOW if cover.held else enough_rows(cover.law)) for cover in weak]
-    found = [Needed(cover.name, cover.rows, enough, cover.thickness) for cover, enough in needs if enough is not None]
+    found = [
+        Needed(cover.name, cover.rows, enough, cover.thickness, "needed for its run-out alone" if cover.late else "needed")
+        for cover, enough in needs
+        if enough is not None
+    ]
     others = [layer for layer in layers_of(scene, particles) if layer.name not in {cover.name for cover in weak}]
     dx = scene.numerics.spacing
     return found + [
@@ -98,16 +103,28 @@ def braked(scene: Scene) -> list[Finding]:
 
 
 def of_cover(cover: Cover, scene: Scene) -> Finding:
-    """What the rows of particles in weak soil on stronger ground do to its run-out: a note where they suffice."""
+    """What the rows of particles in weak soil on stronger ground do to what sets it off and to its run-out: a note where they suffice."""
     name, numbers = cover.name, dict[str, Any]()
     if cover.held:
         numbers = {"value": cover.rows, "bound": HELD_BELOW, "thickness": cover.thickness}
         return finding("layer-held", "numerics.spacing", f"seams.{name}", subject=name, **numbers)
-    numbers = {"value": cover.run_out, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness}
+    numbers = {"value": cover.run_out, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness, "factor": cover.factor}
+    if not cover.short and cover.late:
+        numbers |= {"value": cover.factor, "bound": 1.0 + LATE, "in_time": rows_in_time()}
+        return finding("cover-late", "numerics.spacing", f"seams.{name}", subject=name, between=cover.between, **numbers)
     if not cover.short:
         return finding("cover-rows", subject=name, between=cover.between, **numbers)
     if (enough := enough_rows(cover.law)) is not None:
-        return finding("weak-on-strong", "numerics.spacing", subject=name, bound=1.0, enough=enough, **numbers)
+        return finding(
+            "weak-on-strong",
+            "numerics.spacing",
+            f"seams.{name}",
+            subject=name,
+            bound=1.0,
+            enough=enough,
+            in_time=rows_in_time(),
+            **numbers,
+        )
     both = scene.numerics.interfaces == "both"
     keys = ("numerics.interfaces",) if both else ("coupling.gamma", "coupling.softening.slip_at_residual")
     return finding("weak-on-strong", *keys, subject=name, bound=1.0, both=both, **numbers)

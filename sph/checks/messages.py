@@ -14,7 +14,7 @@ from enum import StrEnum
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sph.checks.cover_rows import SCATTER
+from sph.checks.cover_rows import EARLY_ON_SEAM, SCATTER
 from sph.scene.gravity import FAILED_AREA, GRAVITY
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
@@ -289,12 +289,30 @@ def _other_face(of: Numbers) -> str:
 
 
 def _cover(of: Numbers) -> str:
-    return "{rows:.2g} rows of particles in {thickness:.3g} m, with which debris runs about {value:.0%} as far as with fine particles"
+    return (
+        "{rows:.2g} rows of particles in {thickness:.3g} m, with which debris runs about {value:.0%} as far as with fine particles, "
+        f"and the factor of safety is up to {of['factor'] - 1.0:.0%} too high"
+    )
+
+
+def _ran(of: Numbers) -> str:
+    return (
+        "a block on it moves as it should"
+        if of.get("between")
+        else f"debris on two hillsides ran as far as with more, within {SCATTER:.0%}"
+    )
+
+
+def _in_time(of: Numbers) -> str:
+    """The rows, more than were measured, with which weak soil does not fail too late, and the seam that needs none."""
+    spacing = f"{of['thickness'] / of['in_time']:.3g} m"
+    return f"some {{in_time:g}} rows, with a spacing of at most {spacing} (extrapolated), or a seam with its strength along its base"
 
 
 def _unbraked(of: Numbers) -> str:
     if "enough" in of:
-        return f"at least {{enough:g}}, with a spacing of at most {of['thickness'] / of['enough']:.3g} m"
+        spacing = f"{of['thickness'] / of['enough']:.3g} m"
+        return f"at least {{enough:g}} rows for its run-out, with a spacing of at most {spacing}, and to fail when it should {_in_time(of)}"
     return "computed with numerics.interfaces: weaker" if of["both"] else "free to lose its solid state after failure"
 
 
@@ -531,13 +549,22 @@ MESSAGES: dict[str, Message] = {
     ),
     "weak-on-strong": warning(
         lambda of: (
-            "{subject}, weak soil that slides on stronger {ground}, is braked, so its run-out is too short"
+            "{subject}, weak soil that slides on stronger {ground}, is braked, so it fails too late and its run-out is too short"
             if "ground" in of
             else "weak soil that has failed is braked by the stronger soil beside it, so its run-out is too short"
         ),
         lambda of: _cover(of) if "ground" in of else "numerics.interfaces: both, with {rows:g} particles across the thinnest soil",
         _unbraked,
         meaning="weak soil that has failed is braked by stronger soil, so that its run-out is a lower bound",
+    ),
+    "cover-late": warning(
+        "{subject}, weak soil on stronger {ground}, fails too late, so a run in which it stands does not show that it stands",
+        lambda of: (
+            "{rows:.2g} rows of particles in {thickness:.3g} m, with which the factor of safety is up to "
+            f"{of['value'] - 1.0:.0%} too high; once it fails, {_ran(of)}"
+        ),
+        _in_time,
+        meaning="weak soil on stronger ground has rows of particles enough for its run-out, but fails only in too strong a shaking",
     ),
     "layer-held": error(
         "{subject}, weak soil between stronger ones, is held, since the kernel reaches across it",
@@ -546,16 +573,14 @@ MESSAGES: dict[str, Message] = {
         meaning="a weak layer between two stronger soils has fewer than two rows of particles, and cannot slide",
     ),
     "cover-rows": note(
-        "{subject}, weak soil on stronger {ground}, has enough rows not to be braked by it",
+        lambda of: "{subject}, weak soil on stronger {ground}, " + ("slides on a seam" if of["factor"] == 1.0 else "has rows enough"),
         lambda of: (
-            "{rows:.2g} rows of particles in {thickness:.3g} m, with which "
-            + (
-                "a block on it moves as it should"
-                if of.get("between")
-                else f"debris on two hillsides ran as far as with more, within {SCATTER:.0%}"
-            )
+            f"on it a cover fails up to {EARLY_ON_SEAM:.0%} too early, and does not run as far as one without a seam"
+            if of["factor"] == 1.0
+            else "{rows:.2g} rows of particles in {thickness:.3g} m, with which the factor of safety is up to "
+            f"{of['factor'] - 1.0:.0%} too high and {_ran(of)}"
         ),
-        meaning="weak soil on stronger ground has enough rows of particles for its run-out",
+        meaning="weak soil on stronger ground has enough rows of particles for its run-out and for what sets it off",
     ),
     "thin-box": warning(
         "the boundary particles do not fill the kernel's support, so stresses beside them alternate from row to row",
@@ -681,7 +706,7 @@ MESSAGES: dict[str, Message] = {
     "thin-debris": warning(
         lambda of: (
             "debris that ran {runout:.3g} m is thin, so its run-out is "
-            + (f"known to some {SCATTER:.0%} at best, as that of a cover with enough rows" if "cover" in of else "not reliable")
+            + (f"known to some {SCATTER:.0%} at best, as that of a cover with three rows or more" if "cover" in of else "not reliable")
         ),
         "on average {value:.2g} particles thick in front of the toe",
         lambda of: f"at least {{bound:g}}, better {2.0 * of['bound']:g}",

@@ -246,7 +246,7 @@ def rows(checked: Check, motions: Mapping[str, Sequence[Scene]] | None = None) -
     lines += [
         (
             f"rows in {each.name}",
-            f"{each.rows:.2g} in {each.thickness:.3g} m; {each.enough} are needed, with a spacing of at most {each.spacing:.3g} m, "
+            f"{each.rows:.2g} in {each.thickness:.3g} m; {each.enough} are {each.purpose}, with a spacing of at most {each.spacing:.3g} m, "
             f"with which a run takes {duration(expected.seconds * (scene.numerics.spacing / each.spacing) ** 3)}",
         )
         for each in needed_rows(scene, particles)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_braked
+from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_held
 from sph.checks.messages import listed, sentence
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
@@ -196,7 +196,7 @@ def _why(run: Mapping[Any, Any]) -> str:
     time = run["time_to_rest"]
     longer = "longer, it does not slow down yet" if math.isnan(time) else f"some {time:.2g} s more"
     reasons = (
-        (is_braked(run["findings"]), "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"),
+        (is_held(run), "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"),
         (is_bounded(run["reached_side"]), "debris leaves the box (lengthen the apron)"),
         (in_motion(run), f"soil still moves at the end (run it for {longer})"),
     )

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import BRAKED, at_least, is_bounded, is_braked, is_open
+from sph.checks.after_run import BRAKED, LATE, at_least, held, is_bounded, is_open
 from sph.checks.messages import Severity, block_words, braked_words, factor_words, sentence, yield_words
 from sph.experiments.variants.advice import expected_sentence
 from sph.figures.style import metres
@@ -160,7 +160,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
     if known.empty:
         words = [f"{level} every run diverged: there is no result"]
     elif not fail:
-        words = [f"{level} no run fails" + f", but soil that would move is braked: {why}" * bool(why)]
+        words = [f"{level} no run fails" + f", but weak soil is held back and might fail with more rows: {why}" * bool(why)]
         if should:
             words.append(
                 f"by limit equilibrium it should fail: {block_words(should[0].finding.numbers)}. Run it with more rows of particles"
@@ -229,9 +229,12 @@ def _table_raised(table: Table) -> Table:
 
 def held_back(table: pd.DataFrame, rows: Sequence[Row]) -> str:
     """How many rows of particles the weak soil has that stronger ground brakes, in words; nothing where it does so in no run."""
-    if not table["findings"].map(is_braked).any():
+    if not held(table).any():
         return ""
-    return " and ".join(braked_words(row.finding) for row in rows if row.finding.code in BRAKED) or "few rows of particles in weak soil"
+    return (
+        " and ".join(braked_words(row.finding) for row in rows if row.finding.code in (*BRAKED, LATE))
+        or "few rows of particles in weak soil"
+    )
 
 
 def _files(limit: str) -> str:
@@ -263,8 +266,8 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
         "have debris that reached the end of the box or went over it: displacement and run-out are lower bounds; lengthen the apron.",
     )
     say(
-        table["findings"].map(is_braked).sum(),
-        "have debris that is braked: displacement and run-out are lower bounds, and the slope may fail at less.",
+        held(table).sum(),
+        "have weak soil that is braked: displacement and run-out are lower bounds, and the slope may fail at less.",
     )
     say(
         table["reached_side"].str.contains(BACK).sum(),

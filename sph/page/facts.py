@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.checks.after_run import is_braked
+from sph.checks.after_run import held
+from sph.checks.cover_rows import factor_with, is_late
 from sph.checks.finding import Finding
-from sph.checks.layers import MIN_IN_LAYER
 from sph.checks.messages import Severity, factor_words, limit_how, limit_words, search_words
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
@@ -97,9 +97,17 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
 def few_rows(findings: Sequence[Finding]) -> str:
     """How many rows of particles weak soil on stronger ground has in the quick search for the factor of safety, where they are too few."""
     fine = [of.numbers["fine"] for of in findings if of.code == "factor-of-safety"]
-    thickness = {of.subject: of.numbers["thickness"] for of in findings if of.code in ("cover-rows", "weak-on-strong")}
-    few = [(rows, name) for name, deep in thickness.items() if fine and (rows := deep / min(fine)) < MIN_IN_LAYER]
-    return "".join(f"; with {rows:.2g} rows of particles in {name} at most, where {MIN_IN_LAYER} are needed" for rows, name in few)
+    thickness = {
+        of.subject: of.numbers["thickness"]
+        for of in findings
+        if of.numbers.get("factor", 2.0) > 1.0 and of.code in ("cover-rows", "cover-late", "weak-on-strong")
+    }
+    few = [(deep / min(fine), name) for name, deep in thickness.items() if fine]
+    return "".join(
+        f"; with {rows:.2g} rows of particles in {name} at most, which make it up to {factor_with(rows) - 1.0:.0%} too high"
+        for rows, name in few
+        if is_late(factor_with(rows))
+    )
 
 
 def _of_files(files: Sequence[str], named: bool) -> tuple[str, str]:
@@ -244,7 +252,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     of = {quantity: table[column_of(place, quantity)] for quantity in (REACHED, PASSED, ARRIVAL, PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)}
     known, there = of[REACHED].notna(), of[REACHED] > 0.0
     short = known & ~there
-    braked = short & table["findings"].map(is_braked)
+    braked = short & held(table)
     moving = short & ~braked & (table["at_rest"] == 0)
     still = short & ~braked & ~moving
     words, how = list[str](), list[str]()

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from pydantic import BaseModel
 
-from sph.checks.after_run import in_motion, is_at_least, is_braked, is_open
+from sph.checks.after_run import in_motion, is_at_least, is_held, is_open
 from sph.experiments.variants.advice import percent
 from sph.figures.style import NOTHING, metres
 from sph.scene.layers import BelowRegion, DepthRegion, PolygonRegion, Region
@@ -149,7 +149,7 @@ def _share(value: float) -> str:
 
 def _status(row: Mapping[Any, Any]) -> str:
     met = f", debris at {row['reached_side'].replace(' ', ', ')}" if row["reached_side"] else ""
-    braked = ", debris\N{NO-BREAK SPACE}braked" if is_braked(row["findings"]) and not row["diverged"] else ""
+    braked = ", debris\N{NO-BREAK SPACE}braked" if is_held(row) and not row["diverged"] else ""
     energy = ", energy\N{NO-BREAK SPACE}error too\N{NO-BREAK SPACE}large" if is_open(row["energy_error"]) else ""
     moving = ", still\N{NO-BREAK SPACE}moving" if in_motion(row) else ""
     return str(row["status"]) + moving + met + braked + energy

@@ -112,6 +112,13 @@ def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None
     assert [fact[1:] for fact in at_places(LOST.assign(findings="layer-held"), why)] == [("not reached in 0 runs", "")] * 2
 
 
+def test_a_place_below_a_cover_that_stands_for_lack_of_rows_is_not_out_of_reach() -> None:
+    """Of runs that came down it is."""
+    late = RUNS.assign(findings="cover-late", diverged=0, collapse_class="stable")
+    assert at_places(late)[1][1] == "unknown in 6 runs, whose debris is braked"
+    assert at_places(late.assign(collapse_class="collapse"))[1][1] == "not reached in 6 runs"
+
+
 @pytest.mark.parametrize("code", ["weak-on-strong", "layer-held"])
 def test_braked_debris_is_a_lower_bound_with_its_reason(code: str) -> None:
     rows = [Row(finding(code, subject="cover", value=1.9, rows=1.9), 4, "a"), Row(finding("few-particles", value=1, bound=2), 6, "a")]
@@ -224,7 +231,7 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert said(bare.assign(alternative="drained"), []).startswith("With drained, at 4 m/s2 (0.408 g) 3 of 4 runs fail"), "so far"
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
     held = said(bare.assign(collapse_class="stable"), [], "2 rows of particles in cover")
-    assert held.endswith("no run fails, but soil that would move is braked: 2 rows of particles in cover.")
+    assert held.endswith("no run fails, but weak soil is held back and might fail with more rows: 2 rows of particles in cover.")
     away = Row(finding("block-runs-away", value=0.417, bound=0.1, strength=0.39, residual=0.36), 3, "5")
     stable = runs.assign(collapse_class="stable").set_index(runs.index.astype(str))
     assert said(stable, [away]) == (

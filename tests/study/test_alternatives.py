@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import pytest
 import yaml
 from small_scenes import SLOPE
 
+from sph.checks.cover_rows import factor_with
 from sph.checks.finding import finding
 from sph.checks.messages import Severity
 from sph.checks.scene import findings
@@ -175,10 +177,14 @@ def test_each_alternative_has_its_own_factor_of_safety() -> None:
     (found,) = compared(runs, DIMENSIONS, "A", slices_of(runs, [Row(drained, 2, "run-2"), Row(base, 2, "run-0")]))
     assert [row[-2:] for row in found.rows] == [("1.44, 1.26", "1.09 m/s2 (0.111 g)"), ("1.65, 1.51", "2.11 m/s2 (0.215 g)"), ("–", "–")]
     assert all(len(row) == len(found.head) for row in found.rows)
-    cover = finding("cover-rows", subject="cover", value=1.0, ground="rock", rows=3.1, thickness=3.0)
+    cover = finding("cover-late", subject="cover", value=1.4, bound=1.1, ground="rock", rows=3.1, thickness=3.0)
     factor = finding("factor-of-safety", value=1.44, error=0.34, coarse=2.0, fine=1.5, step_taken=True)
-    assert few_rows([cover, factor]) == "; with 2 rows of particles in cover at most, where 4 are needed"
+    assert (
+        few_rows([cover, factor])
+        == f"; with 2 rows of particles in cover at most, which make it up to {factor_with(2.0) - 1.0:.0%} too high"
+    )
     assert few_rows([cover]) == ""
+    assert few_rows([cover, replace(factor, numbers=dict(factor.numbers, fine=0.1))]) == "", "thirty rows"
 
 
 def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:

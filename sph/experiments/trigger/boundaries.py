@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from pydantic import AfterValidator, BeforeValidator
 
-from sph.checks.after_run import is_braked
+from sph.checks.after_run import is_held
 from sph.measures.metrics import CLASSES, COLLAPSE, MetricSettings, class_displacement
 from sph.measures.places import REACHED, PlaceName, column_of
 from sph.scene.schema import Scene
@@ -92,7 +92,7 @@ def shown(run: Mapping[Any, Any], wanted: str) -> bool | None:
     With more rows of particles that debris might come there.
     """
     verdict = reached(run, wanted)
-    return None if verdict is False and wanted not in CLASSES and is_braked(run["findings"]) else verdict
+    return None if verdict is False and wanted not in CLASSES and is_held(run) else verdict
 
 
 def in_words(wanted: str) -> str:

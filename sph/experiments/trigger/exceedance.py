@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from sph.checks.after_run import is_braked
+from sph.checks.after_run import held
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.points import CASE_COLUMN, label_columns, names
 from sph.measures.metrics import UNDETERMINED
@@ -66,7 +66,7 @@ def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
     for case, intensity, runs in _shaken_alike(points, searched):
         diverged = runs["collapse_class"] == UNDETERMINED
         moving = int((~diverged & (runs["still_moving"] > 0)).sum())
-        braked = runs.loc[~diverged, "findings"].map(is_braked).to_numpy(bool)
+        braked = held(runs[~diverged]).to_numpy(bool)
         for name in (name for name in (*LENGTHS, *depths) if (case, name) not in lacking):
             lengths = runs.loc[~diverged, name].to_numpy(float)
             for length in np.unique(np.append(lengths, 0.0)):
@@ -116,7 +116,7 @@ def widths(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
         runouts, diverged = runs["runout"].to_numpy(float), runs["collapse_class"] == UNDETERMINED
         if np.isnan(runouts).sum() == diverged.sum():
             widest = float(np.nanmax(runouts)) if not diverged.all() else math.nan
-            braked = ~diverged & runs["findings"].map(is_braked)
+            braked = ~diverged & held(runs)
             counts = (len(runs), int(diverged.sum()), int((~diverged & (runs["still_moving"] > 0)).sum()), int(braked.sum()))
             known = np.where(braked, math.nan, runouts)
             rows.append((case, intensity, *counts, *(width_within(known, share) for share in SHARES), widest))
