@@ -196,7 +196,7 @@ def _why(run: Mapping[Any, Any]) -> str:
     time = run["time_to_rest"]
     longer = "longer, it does not slow down yet" if math.isnan(time) else f"some {time:.2g} s more"
     reasons = (
-        (is_held(run), "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"),
+        (is_held(run), "weak soil is held back (take a smaller spacing, for more rows of particles in it)"),
         (is_bounded(run["reached_side"]), "debris leaves the box (lengthen the apron)"),
         (in_motion(run), f"soil still moves at the end (run it for {longer})"),
     )

@@ -197,7 +197,7 @@ def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
         (found,) = compared(table_of(at_rest=[1 - each for each in moving]), DIMENSIONS, "A")
         assert found.rows[1][7] == wanted
         assert found.rows[1][8] == ("≥ 0 of 2" if moving[3] else "0 of 2"), "debris that still moves may reach it"
-    braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
+    braked = "weak soil is held back (take a smaller spacing, for more rows of particles in it)"
     (found,) = compared(table_of(findings=["", "weak-on-strong"] + ["", "layer-held"] + [""] * 2), DIMENSIONS, "A")
     assert found.rows[1][7] == f"unknown: in both {braked}"
     (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, at_rest=[1, 1, 1, 0, 1, 1]), DIMENSIONS, "A")
@@ -220,7 +220,7 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
     assert said(**fails, **moved) == f"{neither}of the displacement drained saves 6.40 m (64 %) and buttress saves nothing."
     moved = {"displacement_magnitude": [0.0, 10.0, 0.0, 3.6, 0.0, 12.0]}
     assert said(**fails, **moved).endswith(" and buttress moves 2.00 m (20 %) farther.")
-    braked = "debris is braked (take a smaller spacing, for more rows of particles in weak soil)"
+    braked = "weak soil is held back (take a smaller spacing, for more rows of particles in it)"
     one = said(findings=[""] * 5 + ["layer-held"])
     assert one.startswith(
         "Drained does not prevent the failure in these runs, whether buttress prevents the failure in these runs is unknown, "
