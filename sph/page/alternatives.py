@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -105,11 +105,11 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     base = runs.pop(BASE, [])
     if not base or not runs:
         return ""
-    said, safe = list[str](), list[str]()
+    asked, left = list[tuple[Mapping[str, bool | str], str, str]](), [*runs]  # left: alternatives that fail
     if any(map(_fails, base)):
         outcomes = {name: _avoided(of, _fails) for name, of in runs.items()}
-        safe = [name for name, outcome in outcomes.items() if outcome is True]
-        said.append(_which(outcomes, "prevent", "the failure in these runs"))
+        left = [name for name, outcome in outcomes.items() if outcome is False]
+        asked.append((outcomes, "prevent", "the failure in these runs"))
     kept: dict[tuple[bool | str, ...], list[str]] = {}  # places by what the alternatives do for them
     for place in places_in(known.columns):
 
@@ -118,10 +118,11 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
 
         if any(map(reaches, base)):
             kept.setdefault(tuple(_avoided(of, reaches) for of in runs.values()), []).append(place.replace("_", " "))
-    said += [_which(dict(zip(runs, of, strict=True)), "keep", f"debris from {listed(places)}") for of, places in kept.items()]
+    asked += [(dict(zip(runs, of, strict=True)), "keep", f"debris from {listed(places)}") for of, places in kept.items()]
+    said = [words for each in asked if (words := _which(*each))] + _unknown(asked)
     worst = max(base, key=lambda run: run["displacement_magnitude"])
     same = [each.name for each in dimensions if each.name != ALTERNATIVE]
-    pairs = [(name, run) for name, of in runs.items() if name not in safe for run in of if all(run[key] == worst[key] for key in same)]
+    pairs = [(name, run) for name in left for run in runs[name] if all(run[key] == worst[key] for key in same)]
     savings = {name: saved(worst, run) for name, run in pairs}
     known_savings = [_saves(name, words) for name, words in savings.items() if not words.startswith("unknown")]
     if known_savings:
@@ -156,7 +157,7 @@ def _avoided(runs: Sequence[Mapping[Any, Any]], harm: Callable[[Mapping[Any, Any
 
 
 def _which(outcomes: Mapping[str, bool | str], verb: str, what: str) -> str:
-    """Which alternatives do something and which do not, by their outcomes, and of which it is not known, with the reason."""
+    """Which alternatives do something and which do not, by their outcomes; nothing where it is not known of any."""
     able, unable = ([name for name, outcome in outcomes.items() if outcome is wanted] for wanted in (True, False))
     parts = [f"{listed(able)} {verb}{'s' * (len(able) == 1)} {what}"] if able else []
     if able and unable:
@@ -166,8 +167,17 @@ def _which(outcomes: Mapping[str, bool | str], verb: str, what: str) -> str:
     elif unable:
         none, last = ("neither", "nor") if len(unable) == 2 else ("none of", "and")
         parts.append(f"{none} {listed(unable, last)} {verb}s {what}")
-    parts += [f"whether {name} {verb}s {what} is unknown, since {why}" for name, why in outcomes.items() if isinstance(why, str)]
     return ", ".join(parts)
+
+
+def _unknown(asked: Iterable[tuple[Mapping[str, bool | str], str, str]]) -> list[str]:
+    """Of which alternatives it is not known what they do, with the reasons."""
+    reasons: dict[str, list[str]] = {}
+    for outcomes, verb, what in asked:
+        for why in dict.fromkeys(outcome for outcome in outcomes.values() if isinstance(outcome, str)):
+            names = [name for name, outcome in outcomes.items() if outcome == why]
+            reasons.setdefault(why, []).append(f"{listed(names)} {verb}{'s' * (len(names) == 1)} {what}")
+    return [f"whether {' or '.join(words)} is unknown, since {why}" for why, words in reasons.items()]
 
 
 def _saves(name: str, words: str) -> str:

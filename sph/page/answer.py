@@ -169,7 +169,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         if len(known) == 1:
             words = [f"{level} the slope {'collapses' if collapse else 'fails'}"]
         else:
-            words = [f"{level} {fail} of {len(known)} runs {'collapse' if fail == collapse else 'fail'}"]
+            words = [f"{level} {fail} of {len(known)} runs {'collapse' if fail == collapse else 'fail'}{'s' * (fail == 1)}"]
             words[0] += f", {collapse} of them by collapse" * (0 < collapse < fail)
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
         moving = known[known["at_rest"] == 0]

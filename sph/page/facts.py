@@ -266,7 +266,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     elif still.any() or not (known.any() or missing):
         words.append(f"not reached in {runs_said(still.sum())}")
     words += [f"not yet in {runs_said(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
-    words += [f"unknown in {runs_said(braked.sum())}, whose debris is braked" + f": {why}" * bool(why)] * bool(braked.any())
+    words += [f"unknown in {runs_said(braked.sum())}, whose weak soil is held back" + f": {why}" * bool(why)] * bool(braked.any())
     words += [f"unknown in {runs_said(missing)} still to come"] * bool(missing)
     words += [f"the ground it stands on moves by up to {metres(of[GROUND].max())} m"] * bool(
         of[GROUND].max() >= min(AREA_THRESHOLDS.values())
@@ -277,7 +277,7 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
             how.append(f"the debris is at least {metres(gap)} m short of it then, and moves on: {moves_on(on)}")
         else:
             stops = f"the debris{' that goes farthest' * bool(short.sum() > 1)} stops {metres(gap)} m short of it"
-            how.append(f"the braked debris comes to {metres(gap)} m of it" if braked.any() else stops)
+            how.append(f"the debris comes to {metres(gap)} m of it" if braked.any() else stops)
     return "; ".join(words), "; ".join(how)
 
 

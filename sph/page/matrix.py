@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex, to_rgb
 
 from sph.checks.after_run import is_at_least
 from sph.figures.study import arranged
-from sph.figures.style import class_colours, metres
+from sph.figures.style import LEAST, class_colours, metres
 from sph.measures.metrics import CLASSES
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
@@ -20,6 +20,8 @@ MAX_CELLS = 80
 """Most runs of which each has a cell."""
 LEGIBLE = 0.4
 """Luminance from which on text on a colour is dark."""
+OPEN = " ?"
+"""Behind a displacement of nothing that is a lower bound."""
 DIVERGED, UNSHAKEN, TO_COME = "diverged", "fails unshaken", "still to come"
 """Classes of cells besides those of the metric."""
 
@@ -71,7 +73,9 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
             rows = [(other.said(str(value)), _cells(of, along, head, shown)) for value, of in groups]
         panels.append(Panel(title, list(map(along.shown, head)), rows))
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
-    return Matrix(f"Displacement of {probe} (m) in each run", found.panels[0].along.label, panels, {
+    unknown = any(cell.words.endswith(OPEN) for panel in panels for _, cells in panel.rows for cell in cells)
+    caption = f"Displacement of {probe} (m) in each run" + ", with a question mark where it might be more," * unknown
+    return Matrix(caption, found.panels[0].along.label, panels, {
         kind: colours for kind, colours in _colours().items() if kind in kinds
     })  # fmt: skip
 
@@ -90,9 +94,10 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
         return Cell(name, "×", DIVERGED, "diverged: no results", name in shown)
     if row["status"] == Status.FAILED_UNSHAKEN:
         kind = UNSHAKEN
-    bounded = is_at_least(row)
+    bounded, moved = is_at_least(row), row["displacement_magnitude"]
     said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {metres(row['runout'], bounded)} m"  # a block has none
-    return Cell(name, metres(row["displacement_magnitude"], bounded), kind, said, name in shown)
+    words = f"{metres(moved)}{OPEN}" if bounded and moved < LEAST else metres(moved, bounded)
+    return Cell(name, words, kind, said, name in shown)
 
 
 def _colours() -> dict[str, tuple[str, str]]:

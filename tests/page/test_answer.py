@@ -99,23 +99,23 @@ def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None
     """It is unknown, whatever else was run."""
     why = "2 rows of particles in cover"
     road, house = at_places(RUNS.assign(findings="few-particles weak-on-strong"), why)
-    assert road[1].startswith("reached in 2 of 6 runs, ") and road[1].endswith(f"; unknown in 4 runs, whose debris is braked: {why}")
+    assert road[1].startswith("reached in 2 of 6 runs, ") and road[1].endswith(f"; unknown in 4 runs, whose weak soil is held back: {why}")
     assert house == (
         "At house",
-        f"unknown in 6 runs, whose debris is braked: {why}",
-        "the braked debris comes to 10.0 m of it",
+        f"unknown in 6 runs, whose weak soil is held back: {why}",
+        "the debris comes to 10.0 m of it",
     )
     road, house = at_places(RUNS.assign(findings=["", "", "", "layer-held", "", ""]), why)
-    assert road[1].endswith(f"at most; unknown in 1 run, whose debris is braked: {why}")
-    assert house[1] == f"not reached in 5 runs; unknown in 1 run, whose debris is braked: {why}"
-    assert house[2] == "the braked debris comes to 10.0 m of it"
+    assert road[1].endswith(f"at most; unknown in 1 run, whose weak soil is held back: {why}")
+    assert house[1] == f"not reached in 5 runs; unknown in 1 run, whose weak soil is held back: {why}"
+    assert house[2] == "the debris comes to 10.0 m of it"
     assert [fact[1:] for fact in at_places(LOST.assign(findings="layer-held"), why)] == [("not reached in 0 runs", "")] * 2
 
 
 def test_a_place_below_a_cover_that_stands_for_lack_of_rows_is_not_out_of_reach() -> None:
     """Of runs that came down it is."""
     late = RUNS.assign(findings="cover-late", diverged=0, collapse_class="stable")
-    assert at_places(late)[1][1] == "unknown in 6 runs, whose debris is braked"
+    assert at_places(late)[1][1] == "unknown in 6 runs, whose weak soil is held back"
     assert at_places(late.assign(collapse_class="collapse"))[1][1] == "not reached in 6 runs"
 
 
@@ -224,7 +224,7 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
         "house: not reached in 4 runs; the debris that goes farthest stops 10.0 m short of it."
     )
     assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
-        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fail; debris runs up to 10.0 m beyond the toe. "
+        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fails; debris runs up to 10.0 m beyond the toe. "
         "road: not reached in 2 runs; the debris that goes farthest stops 2.00 m short of it. "
         "house: not reached in 2 runs; the debris that goes farthest stops 20.0 m short of it."
     ), "an alternative is no run of the slope as it is"
