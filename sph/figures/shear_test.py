@@ -32,7 +32,7 @@ def figure_shear_tests(
         axes[0].plot(1e3 * slip, stress, marker, color=colour, markersize=3.5, markerfacecolor="none", label=plain(name))
         for (shape, curves), style in zip(fits.items(), LINE_STYLES, strict=False):
             at, fitted = curves[name]
-            axes[0].plot(1e3 * at, fitted, color=colour, linestyle=style, linewidth=1.0, label=shape if number == 0 else None)
+            axes[0].plot(1e3 * at, fitted, color=colour, linestyle=style, linewidth=1.0, label=f"{shape} fit" if number == 0 else None)
     axes[0].set(xlabel="slip (mm)", ylabel="shear stress (kPa)", ylim=(0.0, None))
     axes[0].legend()
     if lines:
