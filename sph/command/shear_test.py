@@ -295,9 +295,9 @@ def fit_loss(tests: Sequence[ShearTest], shape: str) -> Loss:
     first, end = max(min(test.slip_at_peak for test in tests), 1e-6), max(float(test.slip[-1]) for test in tests)
 
     def drops(peak: float, span: float) -> list[float]:
-        """Peak over residual strength of each test with the least squares, kPa."""
+        """Peak over residual strength of each test with the least squares, kPa; 0 of one without a point before the end of the loss."""
         weights = [_weight(shape, slip, peak, span) for slip, _ in points]
-        return [float(weight @ stress / (weight @ weight)) for weight, (_, stress) in zip(weights, points, strict=True)]
+        return [float(weight @ stress / (weight @ weight or 1.0)) for weight, (_, stress) in zip(weights, points, strict=True)]
 
     def errors(slips: np.ndarray) -> np.ndarray:
         fitted = zip(points, drops(*slips), strict=True)

@@ -32,7 +32,9 @@ def figure_shear_tests(
         axes[0].plot(1e3 * slip, stress, marker, color=colour, markersize=3.5, markerfacecolor="none", label=plain(name))
         for (shape, curves), style in zip(fits.items(), LINE_STYLES, strict=False):
             at, fitted = curves[name]
-            axes[0].plot(1e3 * at, fitted, color=colour, linestyle=style, linewidth=1.0, label=shape if number == 0 else None)
+            axes[0].plot(
+                1e3 * at, fitted, color=colour, linestyle=style, linewidth=1.0, label=f"{shape} fit" if number == len(tests) - 1 else None
+            )
     axes[0].set(xlabel="slip (mm)", ylabel="shear stress (kPa)", ylim=(0.0, None))
     axes[0].legend()
     if lines:
@@ -40,7 +42,7 @@ def figure_shear_tests(
         along = np.array([0.0, 1.1 * normal.max()])
         for name, strength, (cohesion, angle), style in zip(("peak", "residual"), strengths, lines, LINE_STYLES, strict=False):
             axes[1].plot(normal, strength, "o" if name == "peak" else "s", color="black", markersize=3.5, markerfacecolor="none")
-            label = f"{name}: {cohesion:.3g} kPa, {angle:.3g}°"
+            label = f"{name}: {cohesion:.1f} kPa, {angle:.1f}°"
             axes[1].plot(along, cohesion + along * math.tan(math.radians(angle)), color=GREY, linestyle=style, linewidth=1.0, label=label)
         axes[1].set(xlabel="normal stress (kPa)", ylabel="shear strength (kPa)", xlim=(0.0, along[1]), ylim=(0.0, None))
         axes[1].legend()

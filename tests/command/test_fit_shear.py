@@ -84,6 +84,19 @@ def test_made_tests_are_found_again(shape: str, tmp_path: Path) -> None:
                 assert value == pytest.approx(size * wanted, abs=away), (name, key)
 
 
+def test_tests_of_unlike_slips_at_the_peak_are_fitted_together(tmp_path: Path) -> None:
+    """Some trial fits end before one of them begins to fall, and have no peak of it."""
+    tests = []
+    for seed, normal in enumerate((50.0, 100.0, 200.0)):
+        table = readings(normal, noise=0.6, end=0.12, seed=seed)
+        table[:, 0] += 3.0 * seed * (table[:, 0] > 1.0)  # mm
+        tests += read_tests(write(tmp_path / f"{normal:g}.csv", table), normal)
+    assert len({round(test.slip_at_peak, 4) for test in tests}) == 3
+    for shape in ("linear", "exponential"):
+        found = fit_loss(tests, shape)
+        assert math.isfinite(found.misfit) and all(map(math.isfinite, found.peaks)) and found.slip_at_residual > found.slip_at_peak > 0.0
+
+
 def test_bounds_hold_the_truth_as_often_as_they_say() -> None:
     """Of 400 draws of four tests with a normal scatter, 95 % within three deviations; where the line meets no bound of c or phi."""
     random, normal = np.random.default_rng(1), [50.0, 100.0, 150.0, 200.0]

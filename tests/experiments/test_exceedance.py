@@ -84,7 +84,10 @@ def test_the_figure_counts_and_stands_over_the_section(small_slope: Any) -> None
     runout, displacement, section = figure.axes
     assert runout.get_xlabel() == "run-out (m)" and displacement.get_xlabel() == "displacement of the probe (m)"
     (legend,) = figure.subfigs[0].legends
-    assert [text.get_text() for text in legend.get_texts()] == ["1 m/s²: 4 motions, 1 still moving", "9 m/s²: 4 motions, 1 diverged (band)"]
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "1 m/s²: 4 motions, 1 still moving, may go farther",
+        "9 m/s²: 4 motions, 1 diverged (band)",
+    ]
     (water,) = (drawn for drawn in section.lines if drawn.get_color() == "tab:blue")
     assert set(water.get_ydata()) == {12.0} and [text.get_text() for text in section.texts].count("water") == 1
     (above,) = section.child_axes

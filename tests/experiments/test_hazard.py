@@ -92,7 +92,7 @@ def test_the_table_says_how_often_and_what_is_left_out(tmp_path: Path) -> None:
     assert (
         "reaches class damaged or worse" in row["sentence"] and "Stronger shaking than 10 m/s² adds at most 1e-05 a year" in row["sentence"]
     )
-    assert f"once in {1.0 / row['frequency']:.3g} years" in row["sentence"] and "Weaker" not in row["sentence"]
+    assert f"once in {float(format(1.0 / row['frequency'], '.2g')):,.10g} years" in row["sentence"] and "Weaker" not in row["sentence"]
     (late,) = annual_table(critical(), SITE.between(2.0, 10.0), 1.0, 5.0, "m/s²")["sentence"]
     assert "Weaker shaking than 2 m/s², at which the chance is" in late
 

@@ -421,7 +421,8 @@ def test_a_sample_reads_back_with_its_diverged_runs(tmp_path: Path) -> None:
     frame = pd.DataFrame(rows)
     write_csv(frame, tmp_path / "sample.csv")
     pd.testing.assert_frame_equal(read_sample(tmp_path / "sample.csv", axes, quantities), frame)
-    assert described(pd.read_csv(tmp_path / "sample.csv")) == "2 runs, 1 of which diverged and are left out"
+    assert described(frame.assign(still_moving=0)) == "2 runs, 1 of which diverged and are left out"
+    assert described(frame.assign(still_moving=[1, 0])).endswith(", 1 still moving at the end: at least so far")
     assert frame["status"].tolist() == ["complete", "diverged"] and frame["runout"].tolist()[0] == pytest.approx(3.0)
     assert np.isnan(frame["runout"].iloc[1]) and frame[["x0", "x1"]].to_numpy().tolist() == [[0.1, 0.2]] * 2
     assert [column.name for column in columns][: len(SAMPLE)] == [column.name for column in SAMPLE]
@@ -435,8 +436,9 @@ def test_the_tornado_has_both_ends_and_counts_what_diverged(tmp_path: Path) -> N
     assert table["swing"].iloc[0] == 3.0 and table["diverged"].tolist() == [0, 1] and np.isnan(table["swing"].iloc[1])
     assert table[["at_base", "at_low", "at_high"]].iloc[0].tolist() == [3.0, 1.0, 4.0] and BASE in planned(tmp_path).design("tornado")
     ax = figure_tornado(table, axes, "5 runs").axes[0]
-    assert [label.get_text().partition("\n")[0] for label in ax.get_yticklabels()] == ["$x_1$", "$x_0$"]
+    assert [label.get_text().partition("\n")[0] for label in ax.get_yticklabels()] == [r"\$x_1\$", r"\$x_0\$"]
     assert any(len(line.get_xdata()) == 1 and line.get_marker() == "x" for line in ax.lines), "the diverged run is marked"
+    assert ax.figure.legends[0].get_texts()[-1].get_text() == "diverged"
     with pytest.raises(ValueError, match="no row"):
         figure_tornado(table.iloc[:0], axes, "")
 

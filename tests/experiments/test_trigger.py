@@ -32,9 +32,9 @@ from sph.experiments.trigger.critical import (
 )
 from sph.experiments.trigger.design import Searched, TriggerPlan, load_trigger
 from sph.experiments.trigger.figures import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
-from sph.experiments.trigger.maps import cell_columns, class_shares, map_cells, read_shares
+from sph.experiments.trigger.maps import cell_columns, class_shares, map_cells, read_shares, share_columns
 from sph.experiments.trigger.points import MEASURED, measured_points, names, no_points, point_columns, read_points, wanted_points
-from sph.measures.metrics import MetricSettings, class_displacement
+from sph.measures.metrics import CLASSES, MetricSettings, class_displacement
 from sph.scene.configuration import dotted, merge, read_yaml
 from sph.scene.loading import motion_of
 from sph.scene.schema import make_scene
@@ -564,8 +564,11 @@ def test_figures(tmp_path: Path) -> None:
     for figure in (figure_class_map(points, SEARCHED), figure_map(points, SEARCHED, MAPPED["runout"])):
         assert len([ax for ax in figure.axes if ax.images]) == 2
         assert "diverged" in {text.get_text() for text in figure.legends[0].get_texts()}
+    moving = figure_map(points.assign(still_moving=(points["amplitude"] == "4.0").astype(int)), SEARCHED, MAPPED["runout"])
+    assert "still moving: at least so far" in {text.get_text() for text in moving.legends[0].get_texts()}
     shares = class_shares(map_cells(plan.lattices("maps"), points, ["collapse"], 2, SEARCHED), SEARCHED)
-    assert len(figure_shares(shares, SEARCHED).axes) == 3
+    figure = figure_shares(shares, SEARCHED)
+    assert len(figure.axes) == 3 and not overprints(figure)
     table = papers(*CLEAR, line("collapse", S_R="0.05"), line("stable", S_R="0.9"), line("stable", "collapse", case="slip: sides"))
     write_csv(table, tmp_path / "table.csv")
     pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv"), table)
@@ -587,3 +590,21 @@ def test_titles_of_maps_side_by_side_do_not_overprint() -> None:
     searched = Searched(tuple(Dimension(name, "m", label, False) for name, label in labels.items()), "amplitude")
     points = pd.concat([line("stable", "collapse", S_R=S_R, gamma=at) for S_R in ("0.1", "0.5") for at in ("0.01", "0.05", "0.25")])
     assert not overprints(figure_class_map(points.rename(columns={"gamma": slip}), searched))
+
+
+def test_a_wide_axis_of_shares_is_not_cut_and_seeds_are_not_joined() -> None:
+    labels = {"S_R": "strength ratio", "gamma": "slip at the residual strength of the upper clay", "amplitude": "amplitude"}
+    searched = Searched(tuple(Dimension(name, "m", label, False) for name, label in labels.items()), "amplitude")
+    shares = pd.DataFrame(
+        [("as it is", name, 0.0, 1.0, 0.2, 0.8) for name in CLASSES[1:]], columns=[each.name for each in share_columns(searched)]
+    )
+    figure = figure_shares(shares, searched)
+    figure.draw_without_rendering()
+    label = figure.axes[0].yaxis.label.get_window_extent()
+    assert figure.bbox.y0 <= label.y0 and label.y1 <= figure.bbox.y1
+    seed = "motion.stochastic.seed"
+    seeds = Searched((Dimension("amplitude", "m/s2", "amplitude", False), Dimension(seed, "-", "seed", False)), "amplitude")
+    points = pd.concat([line("stable", "collapse", gamma=each) for each in "123"]).rename(columns={"gamma": seed})
+    unknown = {"collapse": {"yield_acceleration": math.nan, "newmark_intensity": math.nan}}
+    table = critical_table(points, ["collapse"], {("as it is", each): unknown for each in "123"}, seeds)
+    assert {each.get_linestyle() for each in figure_critical(table, seeds).axes[0].lines} == {"None"}

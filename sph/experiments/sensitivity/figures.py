@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from sph.experiments.base import metric_label, metric_words
 from sph.experiments.sensitivity.factors import ENDS, Axis, with_unit
 from sph.experiments.sensitivity.surrogate import KINDS, TRUSTED
-from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, styled, write_note
+from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, styled, write_note, written
 from sph.study.dimensions import is_number, shown_unit
 
 MARKERS = "osD^v<>phXP*"
@@ -63,7 +63,9 @@ def figure_morris(table: pd.DataFrame, factors: Sequence[Axis], chosen: Collecti
             at = rows.loc[name]
             ax.errorbar(at["mu_star"], at["sigma"], bars[1], bars[0], linestyle="", markersize=5, elinewidth=0.6, **look)
         unit = rows["units"].iloc[0]
-        ax.set(xlabel=f"μ*{_unit(unit)}", ylabel=f"σ{_unit(unit)}", xlim=(0.0, None), ylim=(0.0, None))
+        ax.set(
+            xlabel=f"mean absolute effect μ*{_unit(unit)}", ylabel=f"standard deviation σ{_unit(unit)}", xlim=(0.0, None), ylim=(0.0, None)
+        )
         right, top = ax.get_xlim()[1], ax.get_ylim()[1]
         for slope, text in GUIDES.items():
             end = min(right, top / slope)
@@ -71,7 +73,7 @@ def figure_morris(table: pd.DataFrame, factors: Sequence[Axis], chosen: Collecti
             ax.text(0.97 * end, 0.97 * slope * end, text, ha="right", va="top" if end < right else "bottom", fontsize=6.5, color=GREY)
         ax.set(xlim=(0.0, right), ylim=(0.0, top))
     label_panels(axes.values(), [_title(table, metric) for metric in axes])
-    handles = [Line2D([], [], linestyle="", label=factor.label, **looks[factor.name]) for factor in factors]
+    handles = [Line2D([], [], linestyle="", label=written(factor.label), **looks[factor.name]) for factor in factors]
     figure.legend(handles=handles, loc="outside upper center", ncols=4)
     write_note(figure, f"{note} · full symbols: factors of the Sobol' sample")
     return figure
@@ -89,6 +91,7 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
     order = list(first.sort_values("swing", na_position="first")["factor"])
     by_name = {factor.name: factor for factor in factors}
     colours = dict(zip(ENDS, (colour_map()(0.15), colour_map()(0.7)), strict=True))
+    leveled = any(factor.levels for factor in factors)
     for metric, ax in axes.items():
         rows = table[table["metric"] == metric].set_index("factor").loc[order]
         base = rows["at_base"].iloc[0]
@@ -106,16 +109,25 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
         ax.set(xlabel=metric_label(metric), yticks=np.arange(len(order)), yticklabels=[])
         ax.tick_params(axis="y", length=0)
         ax.spines["left"].set_visible(False)
-        ax.margins(x=0.4 if any(factor.levels for factor in factors) else 0.06, y=0.02)  # room for names
+        ax.margins(x=0.4 if leveled else 0.06, y=0.02)  # room for names
+        if not (rows[["at_base", *(f"at_{end}" for end in ENDS)]] < 0.0).any(axis=None):
+            low, high = ax.get_xlim()
+            ax.set_xticks([tick for tick in ax.get_xticks() if 0.0 <= tick <= high])
+            ax.set_xlim(low, high)
     leftmost = next(iter(axes.values()))
     leftmost.set_yticklabels(
-        [f"{factor.label}\n{_range(factor)}" for factor in (by_name[name] for name in order)],
+        [f"{written(factor.label)}\n{_range(factor)}" for factor in (by_name[name] for name in order)],
         fontsize=7,
     )
     label_panels(axes.values(), [metric_words(metric) for metric in axes])
-    handles = [Line2D([], [], color=colour, linewidth=6, label=f"{end} end of the range") for end, colour in colours.items()]
+    words = {
+        end: f"{end} end of the range" + f", or level with the {most}" * leveled for end, most in zip(ENDS, ("least", "most"), strict=True)
+    }
+    handles = [Line2D([], [], color=colour, linewidth=6, label=words[end]) for end, colour in colours.items()]
     handles.append(Line2D([], [], color="black", linewidth=0.8, label="scene as it is"))
-    figure.legend(handles=handles, loc="outside upper center", ncols=3)
+    if table["diverged"].any():
+        handles.append(Line2D([], [], linestyle="", marker="x", color=UNTRUSTED_COLOUR, label="diverged"))
+    figure.legend(handles=handles, loc="outside upper center", ncols=2 if leveled else 4)
     write_note(figure, note)
     return figure
 
@@ -139,7 +151,7 @@ def figure_sobol(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> Fig
     ``table`` with the columns ``SOBOL``; what is not to be trusted is pale and says so.  Raises ValueError for an empty one.
     """
     figure, axes = _panels(table, 3.4)
-    labels = {factor.name: factor.label for factor in factors}
+    labels = {factor.name: written(factor.label) for factor in factors}
     looks = dict(zip(KINDS, (colour_map()(0.15), colour_map()(0.7)), strict=True))
     for number, (metric, ax) in enumerate(axes.items()):
         rows = table[table["metric"] == metric]
@@ -152,8 +164,8 @@ def figure_sobol(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> Fig
         ax.set_yticklabels([labels[name] for name in rows["factor"]] if number == 0 else [])
         ax.tick_params(axis="y", length=0)
         ax.axvline(0.0, color="black", linewidth=0.6)
-        ax.set_ylim(-0.6, len(rows) + 0.4)  # room for the text
-        _state(ax, f"Q² = {rows['q2'].iloc[0]:.2f}", rows["verdict"].iloc[0], "top")
+        ax.set_ylim(-0.6, 1.2 * len(rows))  # room for the text
+        _state(ax, f"Q² = {rows['q2'].iloc[0]:.2f}", rows["verdict"].iloc[0].replace(": ", ":\n"), "top")
     label_panels(axes.values(), [_title(table, metric) for metric in axes])
     handles = [Line2D([], [], color=colour, linewidth=6, label=text) for text, colour in zip(
         ("first order", "total"), looks.values(), strict=True)]  # fmt: skip
@@ -182,6 +194,7 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
     ``table`` with the columns ``CROSS_VALIDATION``, ``indices`` with those of ``SOBOL``.  Raises ValueError for an empty one.
     """
     figure, axes = _panels(table, 2.9)
+    titles = []
     for metric, ax in axes.items():
         rows, facts = table[table["metric"] == metric], indices[indices["metric"] == metric].iloc[0]
         ax.errorbar(rows["computed"], rows["predicted"], 2 * rows["predicted_sd"], linestyle="", marker="o", markersize=2.5,
@@ -190,9 +203,10 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
         ax.plot(ends, ends, color="black", linewidth=0.8)
         logarithmic = facts["quantity"] != metric
         scale = f", {facts['quantity'].replace(metric, 'u')}" if logarithmic else _unit(facts["units"])
+        titles.append(f"{metric_words(metric)}{' u' * logarithmic}")
         ax.set(xlabel=f"computed{scale}", ylabel=f"predicted{scale}")
         text = f"Q² = {facts['q2']:.2f}, RMSE {with_unit(facts['rmse'], facts['units'])}"
         _state(ax, text, facts["verdict"], "bottom")
-    label_panels(axes.values(), [metric_words(metric) for metric in axes])
-    write_note(figure, note)
+    label_panels(axes.values(), titles)
+    write_note(figure, f"{note} · bars: two standard deviations")
     return figure

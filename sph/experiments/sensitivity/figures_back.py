@@ -17,7 +17,7 @@ from sph.experiments.base import metric_label, metric_words
 from sph.experiments.sensitivity.back_analysis import BEST, NOT_REACHED, REACHED, Problem
 from sph.experiments.sensitivity.factors import Axis, Observation
 from sph.experiments.sensitivity.posterior import CONFIDENCE
-from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, plain, styled, write_note, written
+from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, plain, soil_colours, styled, write_note, written
 from sph.study.dimensions import shown_unit
 
 REGIONS = (0.5, CONFIDENCE)
@@ -75,7 +75,7 @@ def _curve(
     ax.plot(line[axis.name], line[name], color=colour)
     ax.plot(sample[axis.name], sample[name], linestyle="", marker="o", markersize=3, color=GREY)
     ax.axhspan(seen.value - seen.error, seen.value + seen.error, color=OBSERVED, alpha=0.2, linewidth=0)
-    ax.axhline(seen.value, color=OBSERVED, linewidth=0.8)
+    ax.axhline(seen.value, color=OBSERVED, linewidth=0.8, linestyle="--")
     ends = result.iloc[0]
     for end in ("lower", "upper"):
         ax.axvline(ends[end], color="black", linewidth=0.8, linestyle=":")
@@ -84,11 +84,16 @@ def _curve(
     ax.set(ylabel=metric_label(name))
     return [
         Line2D([], [], color=colour, label=f"surrogate, band of {REACHED:g} standard deviations"),
-        Line2D([], [], color=OBSERVED, label="observed, band of one"),
+        Line2D([], [], color=OBSERVED, linewidth=0.8, linestyle="--", label="observed, band of one"),
         Line2D([], [], color="black", linewidth=0.8, linestyle=":", label=f"{CONFIDENCE:.0%} interval"),
-        Line2D([], [], linestyle="", marker="o", markersize=3, color=GREY, label="runs of the sample"),
-        Line2D([], [], linestyle="", marker="D", markersize=5, markerfacecolor="white", color="black", label="runs that confirm"),
+        Line2D([], [], linestyle="", marker="o", markersize=3, color=GREY, label=_of_sample(problem)),
+        Line2D([], [], linestyle="", marker="D", markersize=5, markerfacecolor="white", color="black", label="runs to confirm it"),
     ]
+
+
+def _of_sample(problem: Problem) -> str:
+    """What the runs of the sample are called: with other factors than those sought they need not lie near the surrogate."""
+    return "runs of the sample" + ", other factors vary" * (len(problem.axes) > len(problem.sought))
 
 
 def _map(
@@ -105,7 +110,14 @@ def _map(
         ax.tricontourf(mesh, points["mass"], levels=[0.0, *REGIONS], colors=shades)
     ax.tricontour(mesh, points[name], levels=[seen.value], colors=OBSERVED, linewidths=1.0)
     dots = ax.scatter(
-        sample[first.name], sample[second.name], c=sample[name], s=14, clip_on=False, cmap=colour_map(), edgecolors="white", linewidths=0.3
+        sample[first.name],
+        sample[second.name],
+        c=sample[name],
+        s=14,
+        clip_on=False,
+        cmap=soil_colours(),
+        edgecolors="white",
+        linewidths=0.3,
     )
     bar = ax.figure.colorbar(dots, ax=ax, pad=0.02)
     bar.set_label(f"{metric_words(name)} of the runs ({_unit(seen)})")
@@ -121,7 +133,7 @@ def _map(
     return [
         *shown,
         Line2D([], [], color=OBSERVED, linewidth=1.0, label="surrogate: observed value"),
-        Line2D([], [], marker="o", markersize=4, linestyle="", color=GREY, label="runs of the sample"),
+        Line2D([], [], marker="o", markersize=4, linestyle="", color=GREY, label=_of_sample(problem)),
         Line2D([], [], marker="*", markersize=10, label="run at the best point" if reached else "run at the nearest point", **looks),
         Line2D([], [], marker="D", markersize=5, label="runs at the ends of the intervals", **looks),
     ][: None if reached else -1]

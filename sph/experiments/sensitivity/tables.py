@@ -71,9 +71,10 @@ def read_sample(path: Path | str, axes: Sequence[Axis], quantities: Sequence[Qua
 
 
 def described(sample: pd.DataFrame) -> str:
-    """Runs of a sample and how many of them diverged, in words for a figure."""
-    lost = diverged_runs(sample)
-    return f"{len(sample)} runs, " + (f"{lost} of which diverged and are left out" if lost else "none of which diverged")
+    """Runs of a sample, how many of them diverged and how many had not come to rest, in words for a figure."""
+    lost, moving = diverged_runs(sample), int((sample["still_moving"] == 1).sum())
+    words = f"{len(sample)} runs, " + (f"{lost} of which diverged and are left out" if lost else "none of which diverged")
+    return words + f", {moving} still moving at the end: at least so far" * bool(moving)
 
 
 def diverged_runs(sample: pd.DataFrame) -> int:

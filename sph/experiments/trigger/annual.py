@@ -101,7 +101,7 @@ def sentence(row: dict[str, object], unit: str) -> str:
     weaker = ""
     if at_first >= RARE:
         weaker = f" Weaker shaking than {first:.3g} {unit}".rstrip() + f", at which the chance is {at_first:.2g}, is left out."
-    years = f", once in {1.0 / frequency:.3g} years on average" if frequency > 0.0 else ""
+    years = f", once in {_two_digits(1.0 / frequency)} years on average" if frequency > 0.0 else ""
     return (
         f"Under these assumptions and this hazard curve {who} reaches {what} {frequency:.2g} times a year ({low:.2g} to {high:.2g}, "
         f"{CONFIDENCE:.0%} interval of the fit){years}."
@@ -109,3 +109,8 @@ def sentence(row: dict[str, object], unit: str) -> str:
         + f" Stronger shaking than {last:.3g} {unit}".rstrip()
         + f" adds at most {beyond:.2g} a year."
     )
+
+
+def _two_digits(value: float) -> str:
+    """A number in two digits, without an exponent: ``390`` of 391."""
+    return f"{float(f'{value:.2g}'):,.10g}"

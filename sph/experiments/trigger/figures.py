@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,8 @@ from sph.study.dimensions import Dimension, is_number
 MARKERS = "osD^v<>p"
 MAX_LETTERS = 72
 """Most characters of the titles of panels side by side, together."""
+MAX_UPRIGHT = 36
+"""Most characters of a line beside an axis."""
 GRID_POINTS = 241
 """Points along each side of a map's background."""
 
@@ -82,6 +85,7 @@ def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> 
     by_case = len(cases) > 1 and (across is None or table[across.name].nunique() == 1)
     if by_case:
         across, rest = None, list(searched.others)
+    unordered = by_case or across is not None and across.name.endswith("seed")
     x = table["case"].map(cases.index).astype(float) if by_case else table[across.name].astype(float) if across else 0.0
     table = table.assign(curve=_at(table, rest), x=x)
     columns = [cases] if by_case else [[case] for case in cases]
@@ -93,7 +97,7 @@ def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> 
     for ax, (name, shown) in zip(axes.flat, itertools.product(classes, columns), strict=True):
         rows = table[(table["collapse_class"] == name) & table["case"].isin(shown)]
         for look, curve in zip(looks, curves, strict=True):
-            _draw_brackets(ax, rows[rows["curve"] == curve], look | ({"linestyle": ""} if by_case else {}))
+            _draw_brackets(ax, rows[rows["curve"] == curve], look | ({"linestyle": ""} if unordered else {}))
         for column, style in zip(_estimates(searched), LINE_STYLES[1:], strict=False):
             for case in shown:
                 _draw_estimate(ax, rows[rows["case"] == case], column, by_case, color=GREY, linewidth=1.0, linestyle=style, zorder=1)
@@ -187,7 +191,8 @@ def figure_class_map(points: pd.DataFrame, searched: Searched, note: str = "") -
         _draw_ground(ax, known, values, cmap=ListedColormap(colours), norm=norm)
         _draw_points(ax, plane)
     handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for colour, name in zip(colours, CLASSES, strict=True)]
-    figure.legend(handles=[*handles, *_point_handles(points)], loc="outside upper center", ncols=6)
+    handles += _point_handles(points)
+    figure.legend(handles=handles, loc="outside upper center", ncols=6 if len(handles) <= 6 else 4)
     write_note(figure, note)
     return figure
 
@@ -205,7 +210,7 @@ def figure_map(points: pd.DataFrame, searched: Searched, metric: str, note: str 
         ground = _draw_ground(ax, known, known[metric].to_numpy(), cmap=colour_map("lajolla_r"), vmin=0.0, vmax=highest)
         _draw_points(ax, plane)
     figure.colorbar(ground, ax=[ax for ax, _ in panels], label=metric_label(metric), pad=0.02, aspect=30)
-    figure.legend(handles=_point_handles(points), loc="outside upper center", ncols=2)
+    figure.legend(handles=_point_handles(points), loc="outside upper center", ncols=3)
     write_note(figure, note)
     return figure
 
@@ -243,8 +248,9 @@ def _draw_ground(ax: Axes, plane: pd.DataFrame, values: np.ndarray, **look: Any)
 
 
 def _draw_points(ax: Axes, plane: pd.DataFrame) -> None:
-    diverged = plane["collapse_class"] == UNDETERMINED
-    _draw_marks(ax, plane[~diverged], "y", **RUN_LOOK)
+    diverged, moving = plane["collapse_class"] == UNDETERMINED, plane["still_moving"] == 1
+    _draw_marks(ax, plane[~diverged & ~moving], "y", **RUN_LOOK)
+    _draw_marks(ax, plane[~diverged & moving], "y", **MOVING_LOOK)
     _draw_marks(ax, plane[diverged], "y", **DIVERGED_LOOK)
 
 
@@ -262,11 +268,14 @@ RUN_LOOK: dict[str, Any] = {
     "markeredgecolor": "white",
     "markeredgewidth": 0.4,
 }
+MOVING_LOOK: dict[str, Any] = RUN_LOOK | {"marker": "^", "markersize": 4.5}
 DIVERGED_LOOK: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 6, "color": "#0072b2", "markeredgewidth": 1.6}
 
 
 def _point_handles(points: pd.DataFrame) -> list[Line2D]:
     handles = [Line2D([], [], label="run", **RUN_LOOK)]
+    if ((points["still_moving"] == 1) & (points["collapse_class"] != UNDETERMINED)).any():
+        handles.append(Line2D([], [], label="still moving: at least so far", **MOVING_LOOK))
     if (points["collapse_class"] == UNDETERMINED).any():
         handles.append(Line2D([], [], label="diverged", **DIVERGED_LOOK))
     return handles
@@ -294,7 +303,8 @@ def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> F
             for bound in (low, high):
                 ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
         ax.set(xlabel=plain(searched.intensity.label), xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
-    axes[0].set_ylabel(written(f"share of the values of {' and '.join(each.symbol for each in searched.others)} searched"))
+    over = f"share of the values of {' and '.join(each.symbol for each in searched.others)} searched"
+    axes[0].set_ylabel("\n".join(written(line) for line in wrap(over, MAX_UPRIGHT)))
     label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
     handles = [
         Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between the bounds")

@@ -57,7 +57,7 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
         ax.legend(
             loc="center left",
             bbox_to_anchor=(1.0, 0.5),
-            title=f"curve, {CONFIDENCE:.0%} band, brackets" if (curves["case"] == case).any() else "brackets",
+            title=f"curve, {CONFIDENCE:.0%} band, brackets\n(θ: median, β: dispersion)" if (curves["case"] == case).any() else "brackets",
         )
     axes[-1].set_xlabel(plain(searched.intensity.label))
     if searched.intensity.unit == "m/s2":
@@ -71,7 +71,7 @@ def _words(fit: dict[str, object], unit: str) -> str:
     """Class, parameters and counts of a fit."""
     name = in_words(str(fit["collapse_class"])).removeprefix("class ")
     parameters = "no fit" if fit["median"] != fit["median"] else plain(f"θ = {fit['median']:.3g} {unit}, β = {fit['dispersion']:.2g}")
-    others = {"never": "never reached", "at_lowest": "reached at the lowest", "undecided": "diverged", "braked": "braked"}
+    others = {"never": "never reach it", "at_lowest": "reached at the lowest", "undecided": "diverged", "braked": "braked"}
     others |= {"not_monotone": "not monotone"}
     counted = [f"{fit[column]} {words}" for column, words in others.items() if fit[column]]
     return "\n".join([name, parameters, f"{fit['motions']} motions" + "".join(f", {each}" for each in counted[:1]), *counted[1:]])

@@ -83,7 +83,7 @@ def _look(number: int, count: int) -> dict[str, Any]:
 def _words(rows: pd.DataFrame, level: float, searched: Searched) -> str:
     """An intensity, its runs and those that say less than the others."""
     row = rows[rows["intensity"] == level].iloc[0]
-    counted = {"diverged": "diverged (band)", "braked": "braked (band)", "still_moving": "still moving"}
+    counted = {"diverged": "diverged (band)", "braked": "braked (band)", "still_moving": "still moving, may go farther"}
     others = "".join(f", {row[name]} {words}" for name, words in counted.items() if row[name])
     return plain(f"{level:g} {searched.intensity.shown_unit}".rstrip() + f": {row['motions']} motions{others}")
 

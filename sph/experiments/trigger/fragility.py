@@ -306,7 +306,7 @@ OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "und
 def sentence(row: dict[str, object], unit: str) -> str:
     """What a row says, with the ``unit`` as it is printed; accelerations in g as well."""
     who, what = who_reaches_what(str(row["collapse_class"]))
-    counted = f"{row['motions']} motions, {row['never']} of them never reaching it up to the highest intensity"
+    counted = f"{row['motions']} motions, {row['never'] or 'none'} of them never reaching it up to the highest intensity"
     if row["braked"]:
         counted += f", {row['braked']} with debris that is braked before it and might reach it"
     median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))

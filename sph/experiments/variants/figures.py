@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from sph.experiments.base import metric_label
@@ -21,6 +22,8 @@ MARKERS = "osD^v<>ph8PXdH*"
 """Markers of the parameters, beside their colours."""
 MIN_ERROR = 1e-3
 """Errors below this are drawn at it: a logarithmic axis has no zero."""
+HALO = withStroke(linewidth=2.0, foreground="white")
+"""Keeps a name readable over marks."""
 ONSET = {"onset_after_start": "onset of A (s of shaking)"}
 """Label of what is no metric of a run."""
 
@@ -49,7 +52,8 @@ def figure_tradeoff(table: pd.DataFrame) -> Figure:
     label_panels(axes, [WORDS[name] for name in QUANTITIES])
     point: dict[str, Any] = {"xdata": [], "ydata": [], "linestyle": ""}
     handles = [Line2D(**point, marker=mark, color=colour, label=parameter.replace("_", " ")) for parameter, (colour, mark) in looks.items()]
-    handles.append(Line2D(**point, marker="o", color=GREY, markerfacecolor="white", label="another class"))
+    handles.append(Line2D(**point, marker="o", color=GREY, markerfacecolor="white", label="class differs from the reference's"))
+    handles.append(Line2D([], [], color=GREY, linewidth=1.0, label="least error for the time"))
     figure.legend(handles=handles, loc="outside upper center", ncols=4, handletextpad=0.2)
     reference = next(variant for variant in variants if variant.reference)
     where = f"reference {reference.name}, {reference.cost:.4g} s"
@@ -72,7 +76,9 @@ def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mappin
         face = colour if good else "white"
         ax.plot(x, y, linestyle="", marker=marker, color=colour, markerfacecolor=face, markersize=size, zorder=layer)
         if named:
-            ax.annotate(variant.variant, (x, y), xytext=(5, 4), textcoords="offset points", fontweight="bold", zorder=5)
+            ax.annotate(
+                variant.variant, (x, y), xytext=(5, 4), textcoords="offset points", fontweight="bold", zorder=5, path_effects=[HALO]
+            )
     ax.set(xscale="log", yscale="log", xlabel="computing time of one run (s)")
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     for axis in (ax.xaxis, ax.yaxis):
@@ -107,6 +113,8 @@ def figure_convergence(convergence: pd.DataFrame, table: pd.DataFrame) -> Figure
         ax.set(xlabel="particle spacing (m)", xlim=(0.0, None), ylim=(0.0, 1.08 * ax.dataLim.y1))
     label_panels(axes, [ONSET.get(quantity) or metric_label(quantity) for quantity in quantities])
     handles = [Line2D([], [], label=written(case), **look) for look, case in zip(looks, cases, strict=True)]
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(cases), handlelength=3.2)
+    if np.isfinite(convergence["extrapolated"]).any():
+        handles.append(Line2D([], [], linestyle="", marker="*", markersize=9, color=GREY, label="extrapolated"))
+    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), handlelength=3.2)
     write_note(figure, f"made on {table['machine'].iloc[0]}")
     return figure
