@@ -132,7 +132,8 @@ def draw_film(
             now.set_xdata([time, time])
 
     show(frames[-1])
-    figure.canvas.draw()
+    for _ in range(2):  # the first layout knows nothing of the ticks that the second one leaves room for
+        figure.canvas.draw()
     figure.set_layout_engine("none")  # nothing may shift from one picture to the next
     return figure, show
 

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from sph.checks.after_run import at_least, is_at_least
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, metres, plain, styled, write_note, written
+from sph.figures.style import GREY, LEAST, LINE_STYLES, WIDTH, class_colours, curve_colours, metres, plain, styled, write_note, written
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension, title_of
@@ -120,7 +120,8 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
         for rows, look in curves if arrangement.grid and (arrangement.other or not panel.along.words) else ():
             ax.plot(rows["x"], rows["y"], linewidth=1.0, zorder=1, **look)
         _draw_runs(ax, runs)
-        ax.set_ylim(0.0, max(1.06 * float(table[metric].max()), 1e-3) if table[metric].notna().any() else 1.0)
+        largest = float(table[metric].max())
+        ax.set_ylim(0.0, 1.06 * largest if largest >= LEAST else 1.0)  # no scale of less than a spacing resolves
         ax.set_ylabel(SHOWN[metric].format(probe=plain(probe)))
     if arrangement.other is not None:
         named = [plain(arrangement.other.shown(value)) for value in values]

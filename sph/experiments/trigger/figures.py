@@ -190,8 +190,8 @@ def figure_class_map(points: pd.DataFrame, searched: Searched, note: str = "") -
         values = known["collapse_class"].map(CLASSES.index).to_numpy(dtype=float)
         _draw_ground(ax, known, values, cmap=ListedColormap(colours), norm=norm)
         _draw_points(ax, plane)
-    handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for colour, name in zip(colours, CLASSES, strict=True)]
-    handles += _point_handles(points)
+    shades = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for colour, name in zip(colours, CLASSES, strict=True)]
+    handles = [*shades, *_point_handles(points)]
     figure.legend(handles=handles, loc="outside upper center", ncols=6 if len(handles) <= 6 else 4)
     write_note(figure, note)
     return figure
