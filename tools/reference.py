@@ -401,12 +401,12 @@ def fidelity_lines(table: pd.DataFrame) -> Lines:
     compared = read_measured("fidelities").set_index("fidelity")
     measured_trade = advice.shipped_table()
     for variant in [] if measured_trade is None else summary(measured_trade[measured_trade["parameter"] == FIDELITY]):
-        task = STUDY_AT + variant.variant
+        task = "study" if variant.variant == BASELINE else STUDY_AT + variant.variant
         against = ("-", "-")
         if variant.variant in compared.index:
             row: Any = compared.loc[variant.variant]
             against = (f"{row['same_class']} of {row['runs']}", f"within {percent(row['displacement_difference'])}")
-        whole = duration(times[task]) if task in times.index else "not run"
+        whole = duration(times[task]) + ", with installing" * (task == "study") if task in times.index else "not run"
         yield variant.variant, whole, *against, f"{variant.cost:.3g} s", *_errors(variant)
 
 

@@ -28,7 +28,7 @@ STUDY = Path("results/paper")
 BASELINE = "paper"
 """The fidelity that the others are compared with, and that the claims are decided at."""
 STUDY_AT = "study at "
-"""The time of the whole study at a fidelity is that of the task with this before its name."""
+"""The time of the whole study at a fidelity but ``BASELINE`` is that of the task with this before its name."""
 RESOLVED_STUDIES = ("paper_resolved", "long_box")
 """Studies of the paper's slope with the scheme of one's own slopes: in the paper's box, and in one long enough to hardly matter."""
 SOLID_STATES_STUDY = Path("results/paper_solid_states")

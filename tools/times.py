@@ -1,7 +1,7 @@
 """Times of the README's commands: ``python -m tools.times [--tasks study tests ...] [--keep FOLDER]``.
 
 Each command is run as the README has it, in a fresh clone of this repository's last commit, with nothing installed or compiled; the study
-is then run again at other fidelities, with the packages installed and nothing compiled.  The times go into the table ``times`` of the
+is then run at the other fidelities, with the packages installed and nothing compiled.  The times go into the table ``times`` of the
 release (``sph/experiments/measured/times.csv``), with the machine and its load at the start.  The clone is deleted unless it is to be kept,
 for instance to adopt its results by ``python -m tools.release``.
 """
@@ -32,7 +32,7 @@ TASKS = {
     "tests": (TESTS, FRESH),
     **{
         STUDY_AT + fidelity: (f".venv/bin/snakemake --cores 2 --forceall --config fidelity={fidelity}", INSTALLED)
-        for fidelity in ("draft", "standard", "paper")
+        for fidelity in ("draft", "standard")
     },
 }
 """Command and conditions of every task."""
