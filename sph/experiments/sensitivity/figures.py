@@ -203,7 +203,7 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
         ax.plot(ends, ends, color="black", linewidth=0.8)
         logarithmic = facts["quantity"] != metric
         scale = f", {facts['quantity'].replace(metric, 'u')}" if logarithmic else _unit(facts["units"])
-        titles.append(f"{metric_words(metric)}{' u' * logarithmic}")
+        titles.append(f"{metric_words(metric)}{', u' * logarithmic}")
         ax.set(xlabel=f"computed{scale}", ylabel=f"predicted{scale}")
         text = f"Q² = {facts['q2']:.2f}, RMSE {with_unit(facts['rmse'], facts['units'])}"
         _state(ax, text, facts["verdict"], "bottom")
