@@ -575,7 +575,7 @@ MESSAGES: dict[str, Message] = {
     "cover-rows": note(
         lambda of: "{subject}, weak soil on stronger {ground}, " + ("slides on a seam" if of["factor"] == 1.0 else "has rows enough"),
         lambda of: (
-            f"on it a cover fails up to {EARLY_ON_SEAM:.0%} too early, and does not run as far as one without a seam"
+            f"on it a cover fails up to {EARLY_ON_SEAM:.0%} too early, and may not run as far as one without a seam"
             if of["factor"] == 1.0
             else "{rows:.2g} rows of particles in {thickness:.3g} m, with which the factor of safety is up to "
             f"{of['factor'] - 1.0:.0%} too high and {_ran(of)}"

@@ -393,7 +393,7 @@ def of_level_ground(scene: Scene, particles: Particles, loading: Loading) -> lis
 
 def _series(scene: Scene) -> list[Finding]:
     samples = 1.0 / (frequency * scene.outputs.series_interval) if (frequency := highest_frequency(scene)) else np.inf
-    if samples >= MIN_IN_SERIES:
+    if samples >= MIN_IN_SERIES - 0.5:  # in whole samples
         return []
     return [finding("sparse-series", "outputs.series_interval", value=samples, bound=MIN_IN_SERIES, frequency=frequency)]
 
