@@ -11,7 +11,7 @@ import pandas as pd
 
 from sph.checks.after_run import BRAKED, LATE, at_least, held, is_bounded, is_open
 from sph.checks.messages import Severity, block_words, braked_words, factor_words, sentence, yield_words
-from sph.experiments.variants.advice import expected_sentence
+from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
 from sph.measures.places import places_in
@@ -74,6 +74,7 @@ class Answer(NamedTuple):
     alarms: list[str]  # what the spacing decides
     warnings: list[str]  # what limits trust in the results, errors of the scenes first
     expected: str  # the error to expect of the numerics
+    why_unknown: str  # why it is not known, and what to do
 
 
 def answer(
@@ -129,9 +130,9 @@ def answer(
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
-        expected_sentence(scene, not client).split(", since" if client else "\n")[0]
+        *expected_words(scene)
         if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
-        else "differs, see all runs",
+        else ("differs, see all runs", ""),
     )
 
 

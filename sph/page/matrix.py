@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from matplotlib.colors import to_hex, to_rgb
 
-from sph.checks.after_run import is_at_least
+from sph.checks.after_run import at_least, is_at_least
 from sph.figures.study import arranged
 from sph.figures.style import LEAST, class_colours, metres
 from sph.measures.metrics import CLASSES
@@ -73,7 +73,8 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
             rows = [(other.said(str(value)), _cells(of, along, head, shown)) for value, of in groups]
         panels.append(Panel(title, list(map(along.shown, head)), rows))
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
-    unknown = any(cell.words.endswith(OPEN) for panel in panels for _, cells in panel.rows for cell in cells)
+    done = table[table["collapse_class"] != TO_COME]
+    unknown = bool((at_least(done) & (done["displacement_magnitude"] < LEAST)).any())
     caption = f"Displacement of {probe} (m) in each run" + ", with a question mark where it might be more," * unknown
     return Matrix(caption, found.panels[0].along.label, panels, {
         kind: colours for kind, colours in _colours().items() if kind in kinds

@@ -173,23 +173,28 @@ def of_other_law(scene: Scene) -> str:
     return f"errors are measured with numerics.interfaces: {other.numerics.interfaces}, and not with {scene.numerics.interfaces}"
 
 
-def expected_sentence(scene: Scene, remedy: bool = True) -> str:
-    """What the shipped table says of a scene, in words, with a ``remedy`` where it says nothing."""
+def expected_sentence(scene: Scene) -> str:
+    """What the shipped table says of a scene, in words, with the reason and the remedy where it says nothing."""
+    return ", since ".join(filter(None, expected_words(scene)))
+
+
+def expected_words(scene: Scene) -> tuple[str, str]:
+    """What the shipped table says of a scene, in words; and why it says nothing, with the remedy, where that is known."""
     table = shipped_table(scene.scheme)
     if table is None:
-        return NOT_MEASURED_YET
+        return NOT_MEASURED_YET, ""
     expected = expected_error(scene, table)
     if expected:
-        return expected.sentence()
+        return expected.sentence(), ""
     if others := unlike(scene):
-        return f"not known for this slope, since {', '.join(others)}" + f"; {REMEDY}" * remedy
+        return "not known for this slope", f"{', '.join(others)}; {REMEDY}"
     if expected_error(with_other_law(scene), table):
-        return f"not known, since {of_other_law(scene)}" + f"; {REMEDY}" * remedy
+        return "not known", f"{of_other_law(scene)}; {REMEDY}"
     if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:
-            return f"not measured at this spacing: the coarsest spacing measured is {coarsest:.3g} m on a slope of this height"
-    return "not measured with these numerics"
+            return f"not measured at this spacing: the coarsest spacing measured is {coarsest:.3g} m on a slope of this height", ""
+    return "not measured with these numerics", ""
 
 
 def expected_metrics(scene: Scene) -> dict[str, float]:
