@@ -31,7 +31,7 @@ FACTOR_BY_ROWS = {2: 2.00, 3: 1.41, 4: 1.26, 6: 1.24}
 """Factor of safety of a static test over Spencer's, by rows of particles across the cover, the larger of two covers
 (docs/model/interfaces.md); with six it lies between 1.16 and this.  With either of
 ``numerics.interfaces``, which are the same before failure."""
-LATE = 0.1
+FACTOR_ERROR = 0.1
 """Error of the factor of safety up to which the rows suffice to show what sets a cover off."""
 EARLY_ON_SEAM = 0.16
 """By how much the factor of safety is too low, at most, where the base of a cover is a seam with its strength, with two and three rows."""
@@ -116,7 +116,7 @@ def factor_with(rows: float) -> float:
 
 def is_late(factor: float) -> bool:
     """Whether a factor of safety over Spencer's is too high to show what sets a cover off."""
-    return factor > 1.0 + LATE + 1e-9
+    return factor > 1.0 + FACTOR_ERROR + 1e-9
 
 
 def rows_in_time() -> int:

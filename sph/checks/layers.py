@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.checks.after_run import BRAKED
-from sph.checks.cover_rows import HELD_BELOW, LATE, Cover, covers, enough_rows, rows_in_time, strata
+from sph.checks.cover_rows import FACTOR_ERROR, HELD_BELOW, Cover, covers, enough_rows, rows_in_time, strata
 from sph.checks.finding import Finding, finding
 from sph.scene.geometry import Bodies
 from sph.scene.schema import Scene
@@ -110,7 +110,7 @@ def of_cover(cover: Cover, scene: Scene) -> Finding:
         return finding("layer-held", "numerics.spacing", f"seams.{name}", subject=name, **numbers)
     numbers = {"value": cover.run_out, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness, "factor": cover.factor}
     if not cover.short and cover.late:
-        numbers |= {"value": cover.factor, "bound": 1.0 + LATE, "in_time": rows_in_time()}
+        numbers |= {"value": cover.factor, "bound": 1.0 + FACTOR_ERROR, "in_time": rows_in_time()}
         return finding("cover-late", "numerics.spacing", f"seams.{name}", subject=name, between=cover.between, **numbers)
     if not cover.short:
         return finding("cover-rows", subject=name, between=cover.between, **numbers)
