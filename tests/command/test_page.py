@@ -131,3 +131,13 @@ def test_the_draft_of_a_study_is_shown_before_its_runs(plan: Plan, monkeypatch: 
     assert call("study.yaml").stdout.strip() == "results/growing/coarse/so_far.html: 1 of 4 runs"
     Path("results/growing/coarse/report.html").touch()
     assert "; there is results/growing/coarse/report.html: of fidelity coarse" in call("finer.yaml").stderr, "no run of its own yet"
+
+
+def test_the_workflow_tells_the_runs_before_searches_that_take_long(plan: Plan) -> None:
+    """And those of the draft before all others."""
+    assert page_of.ahead_of_page(plan) == ["results/growing/coarse"], "the searches of this study are quick"
+    full = yaml.safe_load(Path("study.yaml").read_text()) | {"searches": "full"}
+    long = full | {"second_fidelity": None, "fidelities": {"own": {"numerics": {"spacing": 0.25}}, "coarse": {}}}
+    for study, told in ((full, ["results/growing/coarse"]), (long, [FOLDER])):
+        Path("other.yaml").write_text(yaml.safe_dump(study))
+        assert page_of.ahead_of_page(find_study(Path("other.yaml")).plan) == told
