@@ -140,7 +140,8 @@ def new(
         list[str] | None,
         typer.Option(
             metavar="NAME=VALUE,...",
-            help="measures to compare: drained, by the depth of the lowered water table (m); berm, by its height (m)",
+            help="measures to compare: drained, by the depth of the lowered water table, or by how much the line of "
+            "--water is lowered (m); berm, by its height (m)",
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml, study.yaml and their lines into")] = Path(),

@@ -64,7 +64,8 @@ UNIT_WEIGHT = "unit_weight"
 """What is typed in place of the density, kN/m3."""
 EXAMPLES = {
     "--soil": "as unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,residual_friction_angle=20",
-    "--alternative": "as drained=4,berm=3: the depth of the lowered water table and the height of the berm, m",
+    "--alternative": "as drained=4,berm=3: the depth of the lowered water table, or by how much its line is lowered, and the height "
+    "of the berm, m",
 }
 """What options with names and numbers are to look like."""
 PLACEHOLDERS = {"shear_wave_speed" if name == "s_wave_speed" else name: value for name, value in PLACEHOLDER_SOIL.items()}
@@ -99,7 +100,7 @@ START, AFTER = 3.0, 5.0
 a point that slides from the crest of a slope of 15° to rest needs 4.8 with a friction angle of 12°, on 30° with 18° 2.3.  A run ends
 sooner where all soil has come to rest."""
 LOWERED, BERM = 0.3, 0.2
-"""Depth of the water of an unknown line once drained, and height of a berm, that are suggested, over the slope's height."""
+"""By how much the water line of a file is lowered once drained, and height of a berm, that are suggested, over the slope's height."""
 GENTLEST, STEEPEST = 5.0, 80.0
 """Angles of a plain slope, degree."""
 MAX_TITLE = 100
@@ -189,7 +190,7 @@ class Known(NamedTuple):
     soil: Mapping[str, float] = {}  # by ``SOIL``, with ``UNIT_WEIGHT`` for the density
     water: float | Path | None = None  # depth below the ground, m, or the file of a line
     places: Mapping[str, float | str] = {}  # x, m, or a distance beyond the toe
-    alternatives: Mapping[str, float] = {}  # drained: depth of the water, m; berm: its height, m
+    alternatives: Mapping[str, float] = {}  # drained: depth of the water, m, or by how much a line is lowered; berm: its height, m
 
     @property
     def own_soil(self) -> dict[str, float]:
@@ -380,10 +381,12 @@ def _refused(known: Known) -> Iterator[str]:
     if lowered is not None and known.water is None:
         yield f"--alternative drained={lowered:g}: there is no water to drain; give --water"
     elif lowered is not None and not wet < lowered < math.inf:
-        yield (
-            f"--alternative drained={lowered:g}: must be deeper below the ground than --water, {wet:g} m; it is the depth of the lowered "
-            "water table"
+        must = (
+            f"above 0 m; it is by how much the line of {known.water} is lowered"
+            if isinstance(known.water, Path)
+            else f"deeper below the ground than --water, {wet:g} m; it is the depth of the lowered water table"
         )
+        yield f"--alternative drained={lowered:g}: must be {must}"
     for record in known.records:
         try:
             if len(known.records) > 1:
@@ -413,7 +416,7 @@ class _Section(NamedTuple):
 
     line: GroundLine
     file: Path  # of the ground
-    lowered: float | None  # depth of the water of the alternative, m
+    lowered: float | None  # depth of the water of the alternative, or by how much its line is lowered, m
     berm_height: float  # m
     berm: Berm | None
 
@@ -491,7 +494,7 @@ def _section(known: Known, folder: Path, ahead: float = 0.0) -> _Section:
         "ground": None if isinstance(known.ground, Path) else points,
         "rock": None if cover is None else at_depth(points, cover),
         "water": at_depth(points, wet) if isinstance(wet, float) else None,
-        "drained": None if lowered is None else at_depth(points, lowered),
+        "drained": None if lowered is None else at_depth(_read(wet) if isinstance(wet, Path) else points, lowered),
         "berm": filled and filled.ground,
         "berm_fill": filled and filled.fill,
     }
@@ -533,7 +536,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     if known.cover is not None:
         rock = _flow(known.of_layer(ROCK))
         layers = COVER_TEXT.format(cover=known.cover, soil=rock)
-        assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too")
+        assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too (rock.csv)")
     assumed.append("each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded (motion.factor)")
     if known.peak is None:
         times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
@@ -597,7 +600,10 @@ def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str
     blocks = {
         "drained": []
         if section.lowered is None
-        else [f"  drained: {{water: {{file: {path('drained')}}}}} # {section.lowered:.3g} m below the ground"]
+        else [
+            f"  drained: {{water: {{file: {path('drained')}}}}} # {section.lowered:.3g} m below the "
+            f"{'given water table' if isinstance(known.water, Path) else 'ground'}"
+        ]
     }
     if section.berm is not None:
         top, foot = section.berm.top, section.berm.foot

@@ -20,18 +20,22 @@ from sph.page.answer import CHECKED, FINDINGS, STANDS
 from sph.page.build import Missing, StudyFiles, write_page
 from sph.stability.record import SEARCHES, YIELD
 from sph.storage import trajectory
+from sph.study.cost import job_cost
 from sph.study.dimensions import CASE
 from sph.study.plan import Plan
 from sph.study.planned import digest, planned
 from sph.study.preflight import looked_at, preflight_searches
+from sph.study.schema import MAX_SHOWN
 from sph.study.tables import study_rows, write_csv
 
-PAGE, TABLE = "so_far.html", "so_far.csv"
+SO_FAR = PAGE, TABLE = "so_far.html", "so_far.csv"
 """Beside the files of the workflow, which are made of all runs."""
 RENEWED = 20
 """Seconds after which a browser reads a page that grows again."""
 REST = 4.0
 """Least time between two pages, as a multiple of what one takes: the cores are for the runs."""
+WAITED = 60.0
+"""Computing time of the searches on the reference machine from which the workflow writes the page of the runs before them, s."""
 
 
 class SoFar:
@@ -126,6 +130,15 @@ def _of_others(plan: Plan, base: Path) -> dict[str, str]:
     others = [name for name in plan.study.fidelities if name not in [each.study.fidelity for each in (plan, plan.draft) if each]]
     pages = {name: [base / plan.at(name).folder / page for page in ("report.html", PAGE)] for name in others}
     return {name: os.path.relpath(there[0]) for name, paths in pages.items() if (there := [path for path in paths if path.exists()])}
+
+
+def ahead_of_page(plan: Plan) -> list[str]:
+    """Folders in which the workflow writes the page of the runs before the whole one: that of the draft, and the study's own where its
+    searches take long; none of a study of more runs than a page shows."""
+    searches = {search.file: search for search in plan.searches.values()}.values()
+    waits = sum(job_cost(search).seconds for search in searches) > WAITED
+    few = len(plan.study.runs) <= MAX_SHOWN
+    return [each.folder for each in (plan.draft, plan if waits else None) if each and few]
 
 
 def page(given: Path | None, configfile: Path | None, watching: bool, say: Callable[[str], None]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -73,7 +73,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, s
                 _acceleration(runs),
                 _length(own, "displacement_magnitude"),
                 _length(own, "runout"),
-                NOTHING if name == BASE or own is None else saved(worst, own),
+                NOTHING if name == BASE or own is None else saved(worst, own).words,
                 *(cell for place in places for cell in _at(runs, place)),
                 *((slices.get(name, (NOTHING, NOTHING))) if slices else ()),
             )
@@ -124,13 +124,13 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     same = [each.name for each in dimensions if each.name != ALTERNATIVE]
     pairs = [(name, run) for name in left for run in runs[name] if all(run[key] == worst[key] for key in same)]
     savings = {name: saved(worst, run) for name, run in pairs}
-    known_savings = [_saves(name, words) for name, words in savings.items() if not words.startswith("unknown")]
+    known_savings = [_saves(name, saving.words) for name, saving in savings.items() if saving.known]
     if known_savings:
         several = [each for each in dimensions if each.name != ALTERNATIVE and len({run[each.name] for run in base}) > 1]
         point = {each.name: str(worst[each.name]) for each in several}
         at = f" in the run that moves farthest as it is ({title_of(several, point)})," if several else ""
         said.append(f"of the displacement{at} {listed(known_savings)}")
-    said += [f"what {name} saves is {words}" for name, words in savings.items() if words.startswith("unknown")]
+    said += [f"what {name} saves is {saving.words}" for name, saving in savings.items() if not saving.known]
     words = "; ".join(said)
     return f"{words[0].upper()}{words[1:]}." if words else ""
 
@@ -185,7 +185,14 @@ def _saves(name: str, words: str) -> str:
     return f"{name} {'moves' if words.endswith(MORE) else 'saves'} {words.replace(AT_LEAST, 'at least ')}"
 
 
-def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
+class Saving(NamedTuple):
+    """What an alternative saves of the displacement."""
+
+    words: str
+    known: bool = True  # or the words say why not
+
+
+def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> Saving:
     """How much less an alternative moves than the scene as it is, in m and percent; where one of them is a lower bound, what is known."""
     less = float(base["displacement_magnitude"] - own["displacement_magnitude"])
     share = 100.0 * less / float(base["displacement_magnitude"]) if base["displacement_magnitude"] > 0.0 else 0.0
@@ -193,12 +200,11 @@ def saved(base: Mapping[Any, Any], own: Mapping[Any, Any]) -> str:
     bounds = is_at_least(base), is_at_least(own)
     if all(bounds):
         reasons = _why(base), _why(own)
-        return f"unknown: in both {reasons[0]}" if reasons[0] == reasons[1] else f"unknown: as it is {reasons[0]}, and with it {reasons[1]}"
-    if bounds[1]:
-        return f"at most {words}" if less >= 0.0 else f"{AT_LEAST}{words}"
-    if bounds[0]:
-        return f"{AT_LEAST}{words}" if less >= 0.0 else f"at most {words}"
-    return words if abs(share) >= NOTICED else "nothing"
+        why = f"in both {reasons[0]}" if reasons[0] == reasons[1] else f"as it is {reasons[0]}, and with it {reasons[1]}"
+        return Saving(f"unknown: {why}", known=False)
+    if any(bounds):
+        return Saving(f"at most {words}" if bounds[1] == (less >= 0.0) else f"{AT_LEAST}{words}")
+    return Saving(words if abs(share) >= NOTICED else "nothing")
 
 
 def _why(run: Mapping[Any, Any]) -> str:

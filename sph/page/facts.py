@@ -275,9 +275,12 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
     if not there.any() and gap > 0.0:
         if len(on := table[short & (table["at_rest"] == 0)]):
             how.append(f"the debris is at least {metres(gap)} m short of it then, and moves on: {moves_on(on)}")
+        elif braked.any():
+            how.append(f"the debris comes to {metres(gap)} m of it")
+        elif not (table["collapse_class"].isin(CLASSES[2:]) | (table["runout"] > 0.0))[short].any():
+            how.append(f"no soil that fails comes within {metres(gap)} m of it")
         else:
-            stops = f"the debris{' that goes farthest' * bool(short.sum() > 1)} stops {metres(gap)} m short of it"
-            how.append(f"the debris comes to {metres(gap)} m of it" if braked.any() else stops)
+            how.append(f"the debris{' that goes farthest' * bool(short.sum() > 1)} stops {metres(gap)} m short of it")
     return "; ".join(words), "; ".join(how)
 
 

@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from typer.testing import CliRunner
@@ -16,7 +17,7 @@ import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER
 from sph.command.cli import app
-from sph.command.new import Known, Written, write_new
+from sph.command.new import AFTER, Known, Written, write_new
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.study.cost import cost
@@ -223,6 +224,11 @@ def test_a_refusal_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.Mon
     assert sorted(tmp_path.rglob("*")) == before
 
 
+def test_the_tutorial_knows_what_is_simulated_after_the_shaking() -> None:
+    text = (ROOT / "docs" / "tutorials" / "own-slope.md").read_text(encoding="utf-8")
+    assert f"adds {AFTER:g} √H s" in text and f"{AFTER * 25.0**0.5:g} s for 25 m" in text
+
+
 def test_the_version_is_printed() -> None:
     assert CliRunner().invoke(app, ["--version"]).stdout == f"sph {sph.__version__}\n"
     assert CliRunner().invoke(app, ["-h"]).stdout == CliRunner().invoke(app, ["--help"]).stdout
@@ -317,6 +323,22 @@ def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
     lines = told.stderr.splitlines()[-6:]
     begin = ("sph: --scale-to", "--alternative 'drained'", "--slope", "--soil residual_cohesion", "--water -1", "--record none.csv")
     assert told.exit_code == 2 and all(line.startswith(each) for line, each in zip(lines, begin, strict=True)), "all at once"
-    assert "the depth of the lowered water table and the height of the berm" in lines[1]
+    assert "the depth of the lowered water table, or by how much its line is lowered, and the height of the berm" in lines[1]
     told = CliRunner().invoke(app, ["new", "--slope", "28,32"])
     assert told.exit_code == 2 and "--record: is missing" in told.stderr
+
+
+@pytest.mark.usefixtures("records")
+def test_the_line_of_a_file_is_lowered_and_a_depth_is_one_below_the_ground() -> None:
+    """So that a slope whose water is deeper than the number is not made wetter by draining it."""
+    Path("water.csv").write_text("x,elevation\n-200,20\n-40,15\n0,-2\n300,-2\n")
+    command = ["new", "--slope", "28,32", "--record", "A.csv", "--water", "water.csv"]
+    told = CliRunner().invoke(app, [*command, "--alternative", "drained=3", "--out", "line"])
+    assert told.exit_code == 0, told.output
+    lines = [np.loadtxt(path, delimiter=",", comments=("#", "x")) for path in ("water.csv", "line/drained.csv")]
+    assert np.allclose(lines[0] - lines[1], [0.0, 3.0]) and "3 m below the given water table" in Path("line/study.yaml").read_text()
+    refused = CliRunner().invoke(app, [*command, "--alternative", "drained=0", "--out", "none"])
+    assert "drained=0: must be above 0 m; it is by how much the line of water.csv is lowered" in refused.stderr
+    told = CliRunner().invoke(app, [*command[:-1], "2", "--alternative", "drained=3", "--out", "depth"])
+    ground, drained = (np.loadtxt(f"depth/{name}.csv", delimiter=",", comments=("#", "x")) for name in ("ground", "drained"))
+    assert np.allclose(ground - drained, [0.0, 3.0]) and "# 3 m below the ground" in Path("depth/study.yaml").read_text()

@@ -85,7 +85,7 @@ def test_a_page_of_some_runs_says_which_are_missing_and_nothing_of_them(plan: Pl
         "So far 1 of 4 runs are done, and what is said here is of these alone. At 4 m/s²",
         "3 runs are still to come",
         "S_R 0.10, amplitude 4.0 m/s² (0.408 g): waiting",
-        "house: not reached in 1 run; unknown in 3 runs still to come; the debris stops 8.00 m short of it.",
+        "house: not reached in 1 run; unknown in 3 runs still to come; no soil that fails comes within 8.00 m of it.",
         "no failure found so far up to 4 m/s²",
         "still to come",
         "stands by a static test",
@@ -131,3 +131,13 @@ def test_the_draft_of_a_study_is_shown_before_its_runs(plan: Plan, monkeypatch: 
     assert call("study.yaml").stdout.strip() == "results/growing/coarse/so_far.html: 1 of 4 runs"
     Path("results/growing/coarse/report.html").touch()
     assert "; there is results/growing/coarse/report.html: of fidelity coarse" in call("finer.yaml").stderr, "no run of its own yet"
+
+
+def test_the_workflow_tells_the_runs_before_searches_that_take_long(plan: Plan) -> None:
+    """And those of the draft before all others."""
+    assert page_of.ahead_of_page(plan) == ["results/growing/coarse"], "the searches of this study are quick"
+    full = yaml.safe_load(Path("study.yaml").read_text()) | {"searches": "full"}
+    long = full | {"second_fidelity": None, "fidelities": {"own": {"numerics": {"spacing": 0.25}}, "coarse": {}}}
+    for study, told in ((full, ["results/growing/coarse"]), (long, [FOLDER])):
+        Path("other.yaml").write_text(yaml.safe_dump(study))
+        assert page_of.ahead_of_page(find_study(Path("other.yaml")).plan) == told

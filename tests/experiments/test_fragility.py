@@ -177,6 +177,8 @@ def test_places_and_lengths_have_curves_of_their_own_colours() -> None:
         "house reached by debris",
         "a displacement of 0.1 m",
     ]
+    ends = [float(np.max(line.get_xdata())) for line in drawn]
+    assert max(ends) <= rows[["lower", "upper"]].max().max() < curves["intensity"].max(), "nothing is drawn that was not simulated"
     looks = [(to_hex(line.get_color()), line.get_linestyle()) for line in drawn]
     assert len({colour for colour, _ in looks}) == 5
     assert min(abs(grey(one) - grey(other)) for (one, _), (other, _) in combinations(looks[2:], 2)) > 0.03, "in print"

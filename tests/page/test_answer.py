@@ -49,6 +49,7 @@ RUNS = pd.DataFrame(
     house_ground_displacement=0.04,
     diverged=0,
     status="complete",
+    collapse_class="collapse",
     energy_line_runout=math.nan,
     corominas_runout=math.nan,
 )
@@ -69,6 +70,8 @@ def test_what_the_debris_does_at_a_place() -> None:
         ("At house", "not reached in 6 runs", "the debris that goes farthest stops 10.0 m short of it"),
     ]
     assert [fact[1:] for fact in at_places(LOST)] == [("not reached in 0 runs", "")] * 2
+    stand = RUNS.assign(collapse_class="minor", runout=0.0, house_passed=-30.0)
+    assert at_places(stand)[1][2] == "no soil that fails comes within 30.0 m of it", "there is no debris to stop"
 
 
 def test_debris_of_a_slope_that_falls_unshaken_comes_at_no_time_of_the_shaking() -> None:

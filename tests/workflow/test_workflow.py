@@ -325,6 +325,18 @@ def copied(finished: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(finished, tmp_path / "study"))
 
 
+def test_the_page_of_the_runs_is_there_before_the_first_search(copied: Path) -> None:
+    """By the priorities of jobs that are ready at once; it is not what a finished study waits for."""
+    folder = copied / "results" / "small" / "draft"
+    page, search = folder / "so_far.html", folder / "stages" / "yield_acceleration.nc"
+    search.unlink()
+    told = made(copied, *write_config(copied), "--", *(str(path.relative_to(copied)) for path in (search, page)), cores=1)
+    assert "small/draft/so_far.html: 8 of 8 runs; to be read until report.html takes its place" in told
+    assert page.stat().st_mtime_ns < search.stat().st_mtime_ns and "Yield acceleration" in page.read_text(encoding="utf-8")
+    jobs = planned_jobs(ROOT, "--config", "fidelity=fine", "--", "results/paper/fine/report.html")
+    assert jobs["answer"] == 1, "its searches take long"
+
+
 @pytest.mark.long
 def test_what_another_target_has_made_comes_onto_the_page(copied: Path) -> None:
     table = copied / "results" / "small" / "draft" / "sensitivity" / "morris.csv"

@@ -1,16 +1,43 @@
 # Purpose: one page for the browser that holds the whole study and needs no network.
 # Inputs:  study.csv, claims.csv, figures, all runs and stages; the tables and figures of other targets that exist
 #          (sph/page/sections.py and paper.py list them); the page's sources.
-# Outputs: report.html
+# Outputs: report.html, and until it is there so_far.html, of the runs alone
+from sph.command.page import SO_FAR, ahead_of_page
 from sph.page.sections import existing
 
 MADE = existing(RESULTS, SECTIONS)
+AHEAD = {plan.folder: plan for plan in (PLAN.draft, PLAN) if plan}
+
+
+rule answer:
+    """Write the page of the runs alone, as sph page does, before the searches."""
+    input:
+        lambda wildcards: [
+            run.file for run in AHEAD[wildcards.folder].shared.runs.values()
+        ],
+    output:
+        temp(expand("{{folder}}/{name}", name=SO_FAR)),
+    log:
+        "{folder}/logs/answer.log",
+    wildcard_constraints:
+        folder="|".join(map(re.escape, AHEAD)),
+    priority: 50
+    params:
+        plan=lambda wildcards, input: AHEAD[wildcards.folder],
+    script:
+        "../scripts/report/first_page.py"
 
 
 rule page:
     """Write the page: verdicts, figures, tables, cost, and every run to look at."""
     input:
         study=f"{RESULTS}/study.csv",
+        # sph page may write it again
+        so_far=[
+            ancient(f"{folder}/{name}")
+            for folder in ahead_of_page(PLAN)
+            for name in SO_FAR
+        ],
         runs=lambda wildcards: [run.file for run in PLAN.page_runs],
         stages=lambda wildcards: [run.file for run in PLAN.page_stages],
         yields=lambda wildcards: sorted(

@@ -17,7 +17,8 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
     """Probability of reaching a class against the intensity, a panel per case: curve, interval band, and the brackets as bars.
 
     ``critical``, ``fits`` and ``curves`` as from their readers (``read_critical`` and so on).  Brackets stand at the share of the
-    motions up to their middle; those that are open count in the shares and are given in the legend.  Raises ValueError for an empty table.
+    motions up to their middle; those that are open count in the shares and are given in the legend.  Curves end at the strongest shaking
+    of the case that was simulated.  Raises ValueError for an empty table.
     """
     if critical.empty:
         raise ValueError("critical: no row to draw")
@@ -27,11 +28,12 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
     lengths = [name for name in dict.fromkeys(fits["collapse_class"]) if name not in CLASSES]
     colours = dict(zip((*CLASSES, *lengths), (*class_colours(), *curve_colours(max(len(lengths), 2))), strict=False))
     for ax, case in zip(axes, cases, strict=True):
+        strongest = critical.loc[critical["case"] == case, ["lower", "upper"]].max().max()
         for fit in fits[fits["case"] == case].to_dict("records"):
             name = str(fit["collapse_class"])
             number = CLASSES.index(name) - 1 if name in CLASSES else lengths.index(name)
             look = {"color": colours[name], "linestyle": LINE_STYLES[number % len(LINE_STYLES)]}
-            curve = curves[(curves["case"] == case) & (curves["collapse_class"] == name)]
+            curve = curves[(curves["case"] == case) & (curves["collapse_class"] == name) & (curves["intensity"] <= strongest)]
             rows = critical[(critical["case"] == case) & (critical["collapse_class"] == name)]
             if len(curve):
                 ax.fill_between(
