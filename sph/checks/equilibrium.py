@@ -18,7 +18,7 @@ from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.solver.particles import place_particles
 from sph.stability.newmark import sliding_block
-from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium
+from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, spencer_factor
 from sph.stability.slip_surface import soil_along
 from sph.stability.standing import slope_height, weakened, with_strength
 
@@ -89,7 +89,7 @@ def factor_below_1(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[F
     name, unit, high = ("cohesion", 1e3, soil.cohesion + 1e-3 * STABLE * weight(scene)) if soil.cohesion else ("friction_angle", RAD, STEEP)
 
     def excess(value: float) -> float:
-        return min(limit_equilibrium(with_strength(scene, number, name, value)).spencer.value, MAX_FACTOR) - 1.0
+        return min(spencer_factor(with_strength(scene, number, name, value)), MAX_FACTOR) - 1.0
 
     needed = dict[str, float]()
     if not equilibrium.spencer.seam.any() and getattr(soil, name) < high and excess(high) > 0.0:

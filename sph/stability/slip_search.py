@@ -115,12 +115,7 @@ def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibriu
     if not applies(scene):
         raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
     section = Section.of(scene)
-    circle, near = worst_circle(section, coefficient)
-    enough, factor = (ENOUGH * circle.value, min(circle.value, MAX_FACTOR)) if len(near) else (0.0, 1.0)
-    if circle.tension > CRACKED and not np.isfinite(spencer(section.slices(circles(section, near[:1], SLICES)[0]), coefficient).value[0]):
-        enough = 0.0
-    surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, enough, factor)
-    surface = surface if surface.value <= MAX_FACTOR else NONE
+    circle, near, surface = _least_factors(section, coefficient)
     critical = NONE
     if 1.0 < surface.value < np.inf:
         value, tension = spencer_coefficient(section.slices(Edges(surface.x[None], surface.y[None], surface.seam[None])))
@@ -128,6 +123,21 @@ def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibriu
         near = worst_circle(section, own.value, near)[1] if own.value < np.inf and len(near) else near
         critical = worst_surface(section, spencer_coefficient, near, own, 0.0 if surface.crack > 0.0 else HUGE, 1.0)
     return LimitEquilibrium(circle if circle.value <= MAX_FACTOR else NONE, surface, critical)
+
+
+def spencer_factor(scene: Scene) -> float:
+    """The factor of safety of ``limit_equilibrium`` by Spencer's method alone, infinite where there is none."""
+    return _least_factors(Section.of(scene), 0.0)[2].value
+
+
+def _least_factors(section: Section, coefficient: float) -> tuple[Surface, np.ndarray, Surface]:
+    """The worst circle by Bishop's method with the numbers of others near it, and the worst surface by Spencer's."""
+    circle, near = worst_circle(section, coefficient)
+    enough, factor = (ENOUGH * circle.value, min(circle.value, MAX_FACTOR)) if len(near) else (0.0, 1.0)
+    if circle.tension > CRACKED and not np.isfinite(spencer(section.slices(circles(section, near[:1], SLICES)[0]), coefficient).value[0]):
+        enough = 0.0
+    surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, enough, factor)
+    return circle, near, surface if surface.value <= MAX_FACTOR else NONE
 
 
 def worst_circle(section: Section, coefficient: float = 0.0, among: np.ndarray | None = None) -> tuple[Surface, np.ndarray]:

@@ -48,11 +48,12 @@ def scene(**settings: Any) -> Scene:
 
 
 def found(**settings: Any) -> list[Finding]:
-    return [each for each in check(scene(**settings)).findings if each.counts]
+    """What limit equilibrium finds, which takes longer, left out."""
+    return [each for each in findings(scene(**settings)) if each.counts]
 
 
 def test_a_sound_scene_has_no_warning() -> None:
-    assert found() == []
+    assert [each for each in check(scene()).findings if each.counts] == found() == []
     assert found(**{"coupling.softening": {"slip_at_peak": 1e-3, "width": 3.0}}) == []
 
 
@@ -103,8 +104,8 @@ def test_shaking_that_shears_off_level_ground_is_told() -> None:
     limit = 150e3 / (1964.0 * 29.5) + GRAVITY * np.tan(np.radians(20.0))
 
     def told(factor: float, **settings: Any) -> list[Finding]:
-        findings = check(scene(**{"motion.amplitude": factor * limit}, **settings)).findings
-        return [each for each in findings if each.code == "level-ground-fails"]
+        shaken = findings(scene(**{"motion.amplitude": factor * limit}, **settings))
+        return [each for each in shaken if each.code == "level-ground-fails"]
 
     assert told(0.99) == [] and len(told(1.01)) == 1
     assert words(told(1.01)[0]).measured == f"{in_both(1.01 * limit)}, where {in_both(limit)} is enough at a depth of 29.5 m"

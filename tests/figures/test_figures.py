@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from overprint import overprints
 from synthetic import step_ramp, synthetic, translation
 
-from sph.command.check import check
 from sph.figures import (
     RUN_FIGURES,
     STUDY_FIGURES,
@@ -41,8 +40,8 @@ from sph.figures.style import LINE_STYLES, curve_colours, metres, note_text, wri
 from sph.measures.fields import FIELDS
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.output.run import Run
-from sph.scene.schema import load_scene, make_scene
-from sph.solver.particles import SOIL, place_particles
+from sph.scene.schema import Scene, load_scene, make_scene
+from sph.solver.particles import SOIL, locate_probes, place_particles
 from sph.stability.slip_search import limit_equilibrium
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
@@ -421,10 +420,15 @@ def test_the_section_shows_every_layer_where_its_particles_are(scene: dict[str, 
     assert "once failed 7.2 kPa" in legend[2], "0.4 of 18 kPa"
 
 
+def drawn(scene: Scene) -> Drawn:
+    """What the drawing of a scene shows."""
+    particles = place_particles(scene)
+    return Drawn(scene, particles, locate_probes(scene, particles))
+
+
 @pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
 def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
-    checked = check(run.scene)
     figures = {
         "geometry": figure_geometry(run, "draft"),
         "motion": figure_motion(run, "draft"),
@@ -432,7 +436,7 @@ def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
         "mobilised": figure_mobilised(run, "draft"),
         "profiles": figure_profiles({"amplitude 4.0 m/s², cohesion of soft clay 30 kPa": run, "two": run}, "draft"),
         "run": plot_trajectory(run),
-        "scene": figure_scenes([Drawn(checked.scene, checked.particles, checked.probes)]),
+        "scene": figure_scenes([drawn(run.scene)]),
     }
     assert {name: found for name, figure in figures.items() if (found := overprints(figure))} == {}
     for name, figure in figures.items():
@@ -444,8 +448,7 @@ def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
 def test_names_have_room_in_a_flat_section() -> None:
     line = {"shape": "ground_line", "points": [[0, 0], [230, 0], [300, 20], [520, 22]], "base": -5}
     run = synthetic(overrides={"title": "A long and flat hillside whose title meets its crest, where A is", "geometry": line})
-    checked = check(run.scene)
-    assert overprints(figure_scenes([Drawn(checked.scene, checked.particles, checked.probes)])) == [] == overprints(figure_geometry(run))
+    assert overprints(figure_scenes([drawn(run.scene)])) == [] == overprints(figure_geometry(run))
 
 
 PLACES = {"road": "12 beyond the toe", "house_of_the_guard": "20 m beyond the toe"}
@@ -454,11 +457,10 @@ PLACES = {"road": "12 beyond the toe", "house_of_the_guard": "20 m beyond the to
 @pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
 def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
-    checked = check(run.scene)
     toe, base = run.scene.geometry.toe
     figures = {
         "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
-        "scene": figure_scenes([Drawn(checked.scene, checked.particles, checked.probes, PLACES)]),
+        "scene": figure_scenes([drawn(run.scene)._replace(places=PLACES)]),
         "run": plot_trajectory(run, places=PLACES),
         "before and after": figure_before_after(run, "one", PLACES),
     }

@@ -94,9 +94,8 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
     )  # fmt: skip
 
 
-def listed_study() -> StudyFiles:
+def listed_study(study: StudyFiles) -> StudyFiles:
     """The same runs as a list of cases, that of S_R 0.50 and 4.0 m/s2 in a larger box."""
-    study = made_study()
     layout = Layout(tuple(found.variable(True) for found in DIMENSIONS), (), True)
     frame = read_table(study.table)
     frame.insert(0, CASE, [f"case-{number:06d}" for number in range(1, 5)])

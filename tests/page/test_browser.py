@@ -223,7 +223,7 @@ def test_print_shows_the_chosen_run_without_controls(browser: Browser) -> None:
 @pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
 def test_a_run_of_a_list_is_found_by_its_words(tmp_path: Path, size: tuple[int, int]) -> None:
     with chdir(tmp_path):
-        write_page(f"{FOLDER}/report.html", listed_study())
+        write_page(f"{FOLDER}/report.html", listed_study(made_study()))
         browser = Browser(Path(FOLDER, "report.html"))
         try:
             browser.open(*size)

@@ -244,7 +244,7 @@ def test_a_table_of_other_runs_is_refused(study: StudyFiles) -> None:
 
 
 def test_a_list_is_chosen_by_run(study: StudyFiles) -> None:
-    listed = listed_study()
+    listed = listed_study(study)
     words = Words(build_page(listed))
     assert words.runs["axes"] == ["run"] and list(words.runs["points"]) == [f"case-{number:06d}" for number in range(1, 5)]
     assert words.runs["points"]["case-000002"]["title"] == "S_R 0.10, γ 100 s⁻¹, amplitude 6.0 m/s² (0.612 g)"
@@ -254,7 +254,7 @@ def test_a_list_is_chosen_by_run(study: StudyFiles) -> None:
 
 
 def test_a_run_of_another_slope_is_drawn_with_its_own_surroundings(study: StudyFiles) -> None:
-    data = Words(build_page(listed_study())).runs
+    data = Words(build_page(listed_study(study))).runs
     own = {name: point["run"]["own"] for name, point in data["points"].items()}
     assert [name for name, changed in own.items() if changed] == ["case-000003"]
     assert set(own["case-000003"]) == {"spacing", "quantum", "middle", "surface", "box", "shaking"}

@@ -37,6 +37,7 @@ USED: list[tuple[Any, set[str]]] = [
     (codegen.JITCPUCodegen, {"create_library", "magic_tuple"}),
     (codegen.JITCodeLibrary, {"enable_object_caching"}),
     (compiler.Compiler, {"compile_extra"}),
+    (compiler.Flags, {"no_cpython_wrapper"}),
     (Dispatcher, {"enable_caching"}),
 ]
 
@@ -58,7 +59,7 @@ def outer(x):  # type: ignore[no-untyped-def]
 
 def test_everything_is_inlined() -> None:
     assert outer(3.0) == 7.0 and inner(3.0) == 7.0
-    (inlined,), (called,) = inner.overloads.values(), outer.overloads.values()
+    (inlined,), (called,) = inner.overloads.values(), outer.alone.overloads.values()
     assert inlined.fndesc.llvm_func_name not in called.library.get_llvm_str()
 
 

@@ -7,7 +7,7 @@ together.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from statistics import median, mode
 from typing import Any, NamedTuple
@@ -201,9 +201,12 @@ class Summary(NamedTuple):
 def summary(frame: pd.DataFrame) -> list[Summary]:
     """The variants of a table, in its order."""
     cases = frame["case"].nunique()
+    by_variant: dict[tuple[str, str], list[dict[Hashable, Any]]] = {}
+    for row in frame.to_dict("records"):
+        by_variant.setdefault((row["parameter"], row["variant"]), []).append(row)
     variants = []
-    for _, rows in frame.groupby(["parameter", "variant"], sort=False):
-        timed = rows[rows["timed"] == 1].to_dict("records")[0]
+    for rows in by_variant.values():
+        timed = next(row for row in rows if row["timed"] == 1)
         variants.append(
             Summary(
                 **{str(name): timed[name] for name in ("parameter", "variant", "settings", "scheme", "changes")},
@@ -213,16 +216,16 @@ def summary(frame: pd.DataFrame) -> list[Summary]:
                 errors=_largest(rows, ""),
                 baseline_errors=_largest(rows, "_from_baseline"),
                 cases=len(rows),
-                classes_agree=int(rows["class_as_reference"].sum()),
+                classes_agree=int(sum(row["class_as_reference"] for row in rows)),
                 every_case=len(rows) == cases,
-                time_step_ratio=float(rows["time_step_ratio"].max()),
+                time_step_ratio=float(np.fmax.reduce([row["time_step_ratio"] for row in rows])),
             )
         )
     return variants
 
 
-def _largest(rows: pd.DataFrame, suffix: str) -> dict[str, float]:
-    return {name: float(np.abs(rows[f"{name}_deviation{suffix}"].to_numpy()).max()) for name in QUANTITIES}
+def _largest(rows: Sequence[Mapping[Hashable, Any]], suffix: str) -> dict[str, float]:
+    return {name: float(np.abs([row[f"{name}_deviation{suffix}"] for row in rows]).max()) for name in QUANTITIES}
 
 
 def non_dominated(cost: np.ndarray, error: np.ndarray) -> np.ndarray:

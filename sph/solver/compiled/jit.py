@@ -20,7 +20,7 @@ import tempfile
 import time as clock
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,9 @@ import numba
 import numpy as np
 from filelock import FileLock
 from numba.core import event
+from numba.core.registry import CPUDispatcher
 
-from sph.solver.compiled.numba_internals import SolverCompiler
+from sph.solver.compiled.numba_internals import InlinedCompiler, SolverCompiler
 from sph.solver.compiled.private import PRIVATE, for_user_alone, make_private, refuse_shared
 from sph.storage.sources import sources_digest
 
@@ -93,7 +94,7 @@ def cache_folder() -> Path:
 
 OPTIONS: dict[str, Any] = {
     "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True,
-    "no_cfunc_wrapper": True, "pipeline_class": SolverCompiler,
+    "no_cfunc_wrapper": True, "pipeline_class": InlinedCompiler,
 }  # fmt: skip
 """Sums may be reordered, division by zero gives infinity; everything is inlined.
 
@@ -103,8 +104,29 @@ here, with sums in another order.
 """
 _entries: list[Any] = []
 """Functions whose compiled code is kept."""
-jit: Callable[[Callable[..., Any]], Any] = numba.njit(**OPTIONS)
-"""Compile for the solver, into the functions that call this one; code for calls from Python is not kept."""
+
+
+class Inlined(CPUDispatcher):
+    """A function that compiled functions inline."""
+
+    @cached_property
+    def alone(self) -> Any:
+        """The same function for calls from Python."""
+        return _for_calls(self.py_func)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.alone(*arguments)
+
+
+def jit(function: Callable[..., Any]) -> Any:
+    """Compile for the solver, into the functions that call this one; a call from Python compiles it once more, which is not kept."""
+    compiled = numba.njit(**OPTIONS)(function)
+    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        compiled.__class__ = Inlined
+    return compiled
+
+
+_for_calls: Callable[[Callable[..., Any]], Any] = numba.njit(**OPTIONS | {"pipeline_class": SolverCompiler})
 
 
 def entry(function: Callable[..., Any]) -> Any:
@@ -112,7 +134,7 @@ def entry(function: Callable[..., Any]) -> Any:
 
     Importing this package needs no folder that can be written.
     """
-    compiled = jit(function)
+    compiled = _for_calls(function)
     if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         _entries.append(compiled)
     return compiled
