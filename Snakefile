@@ -27,11 +27,8 @@ check_files(path for path in workflow.configfiles if keys_of(path) <= {*config})
 SPH = Path(os.path.abspath(sph.__file__)).parent
 FOLDERS = [Path.cwd(), SPH.parent]
 # Its scenes are built before the first job, not again by each.
-PLAN = load_study(
-    chosen_study(config, workflow.config_settings.overwrite_config),
-    FOLDERS,
-    workflow.is_main_process,
-)
+STUDY = chosen_study(config, workflow.config_settings.overwrite_config)
+PLAN = load_study(STUDY, FOLDERS, workflow.is_main_process)
 RESULTS = PLAN.folder
 # What the page shows: of these files every study has some, one over the paper's dimensions its claims and Figures 1-7.
 SECTIONS = sections_of(PLAN.study)
@@ -56,10 +53,8 @@ onstart:
         claim_results(PLAN)
         CATALOGUE.write()
         if any(job.rule.name == "check" for job in workflow.dag.needrun_jobs()):
-            look_first(
-                {name: run.built for name, run in looked_at(PLAN).items()},
-                PLAN.study.on_error == "stop",
-            )
+            slopes = {name: run.built for name, run in looked_at(PLAN).items()}
+            look_first(slopes, PLAN.study.on_error == "stop")
         for figure, reason in PLAN.study.left_out.items():
             print(f"{figure} is left out: {reason}", file=sys.stderr)
 

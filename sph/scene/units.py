@@ -38,9 +38,14 @@ def acceleration(value: Any) -> Any:
 
 
 def in_both(value: float, error: float | None = None) -> str:
-    """An acceleration (m/s2) in m/s2 and g, as every command, table and page says one; with its error where that is given."""
+    """An acceleration (m/s2) in m/s2 and g, as every command, table and page says one; with its error where that is given.
+
+    One that was chosen in g, which has two digits in g and more in m/s2, is said in g first.
+    """
     if error is None:
-        return f"{value:.4g} m/s2 ({value / GRAVITY:.3g} g)"
+        si, g = f"{value:.4g}", f"{value / GRAVITY:.3g}"
+        digits_si, digits_g = (len(number.replace(".", "").lstrip("-0")) for number in (si, g))
+        return f"{g} g ({si} m/s2)" if digits_g <= 2 < digits_si else f"{si} m/s2 ({g} g)"
     return f"{value:.3g} ± {error:.2g} m/s2 ({value / GRAVITY:.3g} ± {error / GRAVITY:.2g} g)"
 
 

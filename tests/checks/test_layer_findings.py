@@ -103,7 +103,7 @@ def test_a_seam_that_pinches_out_in_its_middle_is_told() -> None:
 
 
 def test_the_remedies_help() -> None:
-    assert told(dipping(12.0, 0.4), **{"numerics.spacing": 0.1}) == []
+    assert told(dipping(12.0, 0.8), **{"numerics.spacing": 0.2}) == []
     assert "layer-broken" not in {each.code for each in told(dipping(12.0, 1.5))}
 
 

@@ -7,6 +7,7 @@ import shlex
 import sys
 import tomllib
 from collections import Counter
+from collections.abc import Sequence
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
@@ -115,13 +116,13 @@ def mentioned(page: Path) -> list[list[str]]:
     return [shlex.split(span) for span in spans if "COMMAND" not in span]
 
 
-def fault(words: list[str]) -> str:
-    """What is wrong with a command; empty if it is understood."""
+def fault(words: list[str], written: Sequence[str] = ()) -> str:
+    """What is wrong with a command; empty if it is understood.  Files in folders that a page has ``written`` are there."""
     program, arguments = Path(words[0]).name, words[1:]
     if program == "sph":
         return sph_fault(arguments)
     if program == "snakemake":
-        return snakemake_fault(arguments)
+        return snakemake_fault(arguments, written)
     if program == "pip" and arguments[0] == "install":
         extras = {extra for word in arguments for extra in re.findall(r"\[(.+)\]", word)}
         return "" if extras <= set(EXTRAS) and ("-c" not in arguments or (ROOT / "constraints.txt").exists()) else f"no extras {extras}"
@@ -157,7 +158,7 @@ def sph_fault(arguments: list[str]) -> str:
     return ""
 
 
-def snakemake_fault(arguments: list[str]) -> str:
+def snakemake_fault(arguments: list[str], written: Sequence[str] = ()) -> str:
     """Options that Snakemake does not have, and targets that are no rule of this workflow; a path is one."""
     logger = next((after for word, after in pairwise(arguments) if word == "--logger"), "")
     if logger:  # a plugin of an extra, which need not be installed
@@ -169,13 +170,15 @@ def snakemake_fault(arguments: list[str]) -> str:
     except SystemExit:
         return f"not understood: {arguments}"
     unknown = [target for target in asked.targets or [] if "/" not in target and target not in RULES]
-    files = [str(path) for path in [*(asked.profile or []), *(asked.configfile or [])] if not (ROOT / path).exists()]
+    named = map(Path, [*(asked.profile or []), *(asked.configfile or [])])
+    files = [str(path) for path in named if not (ROOT / path).exists() and path.parts[0] not in written]
     return " ".join(unknown + files)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.name != "CHANGELOG.md"], ids=name_of)
 def test_commands_are_understood(page: Path) -> None:
-    faults = {" ".join(words): found for words in commands(page) + mentioned(page) if (found := fault(words))}
+    written = re.findall(r" --out (\w+)$", code_of(page), re.MULTILINE)  # folders, by sph new
+    faults = {" ".join(words): found for words in commands(page) + mentioned(page) if (found := fault(words, written))}
     assert not faults
 
 

@@ -272,7 +272,8 @@ def test_what_is_no_acceleration_is_refused(text: str) -> None:
 
 
 def test_an_acceleration_is_said_in_both_units() -> None:
-    assert in_both(0.4 * GRAVITY) == "3.924 m/s2 (0.4 g)"
+    assert in_both(0.4 * GRAVITY) == "0.4 g (3.924 m/s2)" and in_both(1.2 * GRAVITY) == "1.2 g (11.77 m/s2)"
+    assert in_both(4.0) == "4 m/s2 (0.408 g)" and in_both(0.412 * GRAVITY) == "4.042 m/s2 (0.412 g)" and in_both(0.0) == "0 m/s2 (0 g)"
     assert in_both(0.4 * GRAVITY, 0.02 * GRAVITY) == "3.92 ± 0.2 m/s2 (0.4 ± 0.02 g)"
     assert beside_g("1.962") == "1.962 (0.2 g)"
     assert (beside_g("0.25", "-"), beside_g("none")) == ("0.25", "none")

@@ -124,7 +124,7 @@ def test_loops_over_a_record_vectorise() -> None:
     record = Fields(np.zeros(100), np.arange(100.0))
     kick(record, 0.5)
     assert np.array_equal(record.v, 0.5 * np.arange(100.0))
-    assert re.search(r"fmul .*<\d+ x double>", kick.inspect_llvm(kick.signatures[0]))
+    assert re.search(r"fmul .*<\d+ x double>", kick.alone.inspect_llvm(kick.alone.signatures[0]))
 
 
 def test_nothing_is_owned() -> None:
