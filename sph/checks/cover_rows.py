@@ -35,6 +35,8 @@ FACTOR_ERROR = 0.1
 """Error of the factor of safety up to which the rows suffice to show what sets a cover off."""
 EARLY_ON_SEAM = 0.16
 """By how much the factor of safety is too low, at most, where the base of a cover is a seam with its strength, with two and three rows."""
+FAR_ON_SEAM = 0.51
+"""By how much its run-out was then too long, at most, on the slopes of docs/model/interfaces.md."""
 CLOSE = 0.05
 """Error of the run-out up to which the rows suffice."""
 SCATTER = 0.12
@@ -67,7 +69,7 @@ class Cover(NamedTuple):
     rows: float  # of particles in that thickness
     law: str  # of the interface: that of ``numerics.interfaces``, or "both" where soil never loses its solid state
     between: bool  # stronger soil lies on it, too
-    seamed: bool = False  # a seam runs along its base, on which it slides as it should with any number of rows
+    seamed: bool = False  # a seam runs along its base, on which it does not stand too long with any number of rows
 
     @property
     def held(self) -> bool:

@@ -112,6 +112,8 @@ def of_cover(cover: Cover, scene: Scene) -> Finding:
     if not cover.short and cover.late:
         numbers |= {"value": cover.factor, "bound": 1.0 + FACTOR_ERROR, "in_time": rows_in_time()}
         return finding("cover-late", "numerics.spacing", f"seams.{name}", subject=name, between=cover.between, **numbers)
+    if not cover.short and cover.seamed:
+        return finding("cover-on-seam", "seams", subject=name, **numbers)
     if not cover.short:
         return finding("cover-rows", subject=name, between=cover.between, **numbers)
     if (enough := enough_rows(cover.law)) is not None:

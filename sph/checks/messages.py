@@ -14,7 +14,7 @@ from enum import StrEnum
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sph.checks.cover_rows import EARLY_ON_SEAM, SCATTER
+from sph.checks.cover_rows import EARLY_ON_SEAM, FAR_ON_SEAM, SCATTER
 from sph.scene.gravity import FAILED_AREA, GRAVITY
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
@@ -306,7 +306,8 @@ def _ran(of: Numbers) -> str:
 def _in_time(of: Numbers) -> str:
     """The rows, more than were measured, with which weak soil does not fail too late, and the seam that needs none."""
     spacing = f"{of['thickness'] / of['in_time']:.3g} m"
-    return f"some {{in_time:g}} rows, with a spacing of at most {spacing} (extrapolated), or a seam with its strength along its base"
+    seam = "or, to see whether it stands, a seam with its strength along its base"
+    return f"some {{in_time:g}} rows, with a spacing of at most {spacing} (extrapolated), {seam}"
 
 
 def _unbraked(of: Numbers) -> str:
@@ -573,14 +574,18 @@ MESSAGES: dict[str, Message] = {
         meaning="a weak layer between two stronger soils has fewer than two rows of particles, and cannot slide",
     ),
     "cover-rows": note(
-        lambda of: "{subject}, weak soil on stronger {ground}, " + ("slides on a seam" if of["factor"] == 1.0 else "has rows enough"),
+        "{subject}, weak soil on stronger {ground}, has rows enough",
         lambda of: (
-            f"on it a cover fails up to {EARLY_ON_SEAM:.0%} too early, and may not run as far as one without a seam"
-            if of["factor"] == 1.0
-            else "{rows:.2g} rows of particles in {thickness:.3g} m, with which the factor of safety is up to "
+            "{rows:.2g} rows of particles in {thickness:.3g} m, with which the factor of safety is up to "
             f"{of['factor'] - 1.0:.0%} too high and {_ran(of)}"
         ),
         meaning="weak soil on stronger ground has enough rows of particles for its run-out and for what sets it off",
+    ),
+    "cover-on-seam": warning(
+        "{subject}, weak soil on stronger {ground}, slides on a seam: a run shows that it stands, not that it fails or how far it goes",
+        f"a factor of safety up to {EARLY_ON_SEAM:.0%} too low; run-outs up to {FAR_ON_SEAM:.0%} too long, with ground below the seam",
+        "without the seam and with three rows or more, where the run-out is asked",
+        meaning="weak soil on stronger ground slides on a seam along its base, where runs show whether it stands, but not how far it goes",
     ),
     "thin-box": warning(
         "the boundary particles do not fill the kernel's support, so stresses beside them alternate from row to row",

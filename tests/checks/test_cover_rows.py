@@ -32,7 +32,7 @@ def scene(top: float, bottom: float, **settings: Any) -> Scene:
 
 
 def told(made: Scene) -> Finding:
-    codes = ("weak-on-strong", "layer-held", "cover-rows", LATE, "thin-layer", "layer-broken")
+    codes = ("weak-on-strong", "layer-held", "cover-rows", "cover-on-seam", LATE, "thin-layer", "layer-broken")
     (one,) = (each for each in findings(made) if each.code in codes)
     return one
 
@@ -74,14 +74,16 @@ def test_a_cover_of_few_rows_is_told_with_what_it_does_to_the_run_out() -> None:
 
 
 def test_rows_that_suffice_for_the_run_out_do_not_show_that_a_cover_stands() -> None:
-    """A warning with the rows that are needed, or a seam along the base, with which it is a note."""
+    """A warning with the rows that are needed, or a seam along the base, which shows that it stands, not how far it goes."""
     late, in_time = told(scene(0.0, 4.0)), rows_in_time()
     assert (late.code, late.severity, late.numbers["value"]) == (LATE, "warning", factor_with(4.0))
-    assert "does not show that it stands" in words(late).what and "a seam with its strength along its base" in words(late).wanted
+    assert "does not show that it stands" in words(late).what and "to see whether it stands, a seam" in words(late).wanted
     assert f"some {in_time} rows, with a spacing of at most {4.0 / in_time:.3g} m (extrapolated)" in words(late).wanted
     seam = {"points": [[100, 436], [160, 436], [180, 456], [220, 456]], "cohesion": 5.0, "friction_angle": 25.0}
     along, below = (scene(0.0, 4.0, **{"seams.base": seam | {"points": [[x, y - deep] for x, y in seam["points"]]}}) for deep in (0, 2))
-    assert told(along).code == "cover-rows" and "may not run as far" in words(told(along)).measured and told(below).code == LATE
+    on_seam = told(along)
+    assert (on_seam.code, on_seam.severity, words(on_seam).key) == ("cover-on-seam", "warning", "seams") and told(below).code == LATE
+    assert "too long" in words(on_seam).measured and "without the seam" in words(on_seam).wanted
 
 
 def test_a_run_that_stands_for_lack_of_rows_is_held_and_one_that_comes_down_is_not() -> None:
