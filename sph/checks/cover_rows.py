@@ -35,8 +35,8 @@ FACTOR_ERROR = 0.1
 """Error of the factor of safety up to which the rows suffice to show what sets a cover off."""
 EARLY_ON_SEAM = 0.16
 """By how much the factor of safety is too low, at most, where the base of a cover is a seam with its strength, with two and three rows."""
-FAR_ON_SEAM = 0.51
-"""By how much its run-out was then too long, at most, on the slopes of docs/model/interfaces.md."""
+SHORT_ON_SEAM, FAR_ON_SEAM = 0.29, 0.51
+"""By how much its run-out was then too short and too long, at most, on the slopes of docs/model/interfaces.md."""
 CLOSE = 0.05
 """Error of the run-out up to which the rows suffice."""
 SCATTER = 0.12

@@ -109,11 +109,11 @@ def of_cover(cover: Cover, scene: Scene) -> Finding:
         numbers = {"value": cover.rows, "bound": HELD_BELOW, "thickness": cover.thickness}
         return finding("layer-held", "numerics.spacing", f"seams.{name}", subject=name, **numbers)
     numbers = {"value": cover.run_out, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness, "factor": cover.factor}
+    if cover.seamed:
+        return finding("cover-on-seam", "seams", subject=name, **numbers)
     if not cover.short and cover.late:
         numbers |= {"value": cover.factor, "bound": 1.0 + FACTOR_ERROR, "in_time": rows_in_time()}
         return finding("cover-late", "numerics.spacing", f"seams.{name}", subject=name, between=cover.between, **numbers)
-    if not cover.short and cover.seamed:
-        return finding("cover-on-seam", "seams", subject=name, **numbers)
     if not cover.short:
         return finding("cover-rows", subject=name, between=cover.between, **numbers)
     if (enough := enough_rows(cover.law)) is not None:

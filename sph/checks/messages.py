@@ -14,7 +14,7 @@ from enum import StrEnum
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sph.checks.cover_rows import EARLY_ON_SEAM, FAR_ON_SEAM, SCATTER
+from sph.checks.cover_rows import EARLY_ON_SEAM, FAR_ON_SEAM, SCATTER, SHORT_ON_SEAM
 from sph.scene.gravity import FAILED_AREA, GRAVITY
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
@@ -583,7 +583,8 @@ MESSAGES: dict[str, Message] = {
     ),
     "cover-on-seam": warning(
         "{subject}, weak soil on stronger {ground}, slides on a seam: a run shows that it stands, not that it fails or how far it goes",
-        f"a factor of safety up to {EARLY_ON_SEAM:.0%} too low; run-outs up to {FAR_ON_SEAM:.0%} too long, with ground below the seam",
+        f"a factor of safety up to {EARLY_ON_SEAM:.0%} too low; run-outs from {SHORT_ON_SEAM:.0%} too short to {FAR_ON_SEAM:.0%} too long, "
+        "with ground below the seam",
         "without the seam and with three rows or more, where the run-out is asked",
         meaning="weak soil on stronger ground slides on a seam along its base, where runs show whether it stands, but not how far it goes",
     ),
