@@ -57,7 +57,7 @@ def figure_robustness(table: pd.DataFrame) -> Figure:
         raise ValueError("table: no row to draw")
     groups = [(f"{sweep}, {case}", rows) for (sweep, case), rows in table.groupby(["sweep", "case"], sort=False)]
     longest = max(len(rows) for _, rows in groups)
-    figure = Figure(figsize=(WIDTH, 1.0 + 0.112 * len(groups) * 2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 1.0 + 0.13 * len(groups) * 2), layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey=True)
     colours = colour_map("lajolla_r")
     for ax, check in zip(axes.flat, CHECKS, strict=True):
@@ -69,9 +69,9 @@ def figure_robustness(table: pd.DataFrame) -> Figure:
                 ax.add_patch(Rectangle((place, height), 1, 1, facecolor=colour, edgecolor=GREY, linewidth=0.3))
                 text = MARKS.get(status, _short(value))
                 dark = not failed and np.isfinite(bad) and bad > 0.55
-                ax.text(place + 0.5, height + 0.5, text, ha="center", va="center", fontsize=4.2, color="white" if dark else "black")
+                ax.text(place + 0.5, height + 0.5, text, ha="center", va="center", fontsize=5.4, color="white" if dark else "black")
         ax.set(xlim=(0, longest), ylim=(len(groups), 0), xticks=[])
-        ax.set_yticks(np.arange(len(groups)) + 0.5, [name for name, _ in groups], fontsize=5.2)
+        ax.set_yticks(np.arange(len(groups)) + 0.5, [name for name, _ in groups], fontsize=6.4)
         ax.tick_params(length=0)
         for spine in ax.spines.values():
             spine.set_visible(False)
@@ -89,4 +89,4 @@ def _short(value: str) -> str:
         number = f"{float(value):.3g}"
         return number if len(number) <= 6 else f"{float(value):.0e}"
     except ValueError:
-        return value.removesuffix("_spline")[:8]
+        return value.removeprefix("wendland_").removesuffix("_spline")[:8]
