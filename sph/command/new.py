@@ -56,6 +56,8 @@ PART, PARTS = 3, 4
 """Share of these for a first look, and to compare with; whole rows at both make the height of the slope and the depth below its toe."""
 MAX_COMPARED, MAX_RUN = 3600.0, 86400.0
 """Computing time (s) of a run up to which a cover has the rows that it needs at the coarser spacing as well, and at most."""
+BERM_ROWS = 3
+"""Rows of particles in a berm, whose ends are thinner: with fewer it breaks into single particles there (``layer-broken``)."""
 SOIL = ("density", "shear_wave_speed", "poisson_ratio", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
 """Keys of a soil in the order in which they are written."""
 FROM_TESTS = ("density", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
@@ -175,7 +177,7 @@ fidelities:
 {alternatives}
 """
 COMPARED = "coarse # repeats every run with coarser particles, which adds 0.4 of the time: the page then shows the effect; null: no"
-NOT_COMPARED = "null # coarser particles would hold the cover; add a fidelity with finer ones to see what they change"
+NOT_COMPARED = "null # coarser particles would not resolve the thin soil; add a fidelity with finer ones to see what they change"
 
 
 class Known(NamedTuple):
@@ -454,9 +456,13 @@ def _written(known: Known, folder: Path) -> Written:
         write(section, rows)
         weakest = load_scene(scene, {} if known.has_residual else {"coupling": {"S_R": float(RATIOS[0])}})
         section = _section(known, folder, room_ahead(weakest))
-    if known.cover is not None:
+    thin = {"--cover ": (known.cover, enough_rows() or ROWS), "--alternative berm=": (known.alternatives.get("berm"), BERM_ROWS)}
+    needed = {
+        f"{option}{high:g}": math.ceil(section.height * count / high * (1.0 - 1e-9)) for option, (high, count) in thin.items() if high
+    }
+    if needed:
         write(section, rows)
-        rows = _enough(section.height, known.cover, cost(load_scene(scene)).seconds)
+        rows = _enough(needed, cost(load_scene(scene)).seconds)
     assumed = write(section, rows)
     plan = load_study(study, check=False)
     first = next(iter(plan.study.runs.values()))
@@ -618,27 +624,28 @@ def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str
         yield from (each if name in known.alternatives else f"# {each}" for each in block)
 
 
-def _enough(height: float, cover: float, seconds: float) -> Rows:
-    """Rows that the run-out of a cover needs, of a run that takes ``seconds`` with ``ROWS``: at the coarser spacing as well, unless a run
-    then takes longer than ``MAX_COMPARED``.
+def _enough(needed: Mapping[str, int], seconds: float) -> Rows:
+    """Rows that thin soils need over the height of the slope, by the option with which each was typed, of a run that takes ``seconds`` with
+    ``ROWS``: at the coarser spacing as well, unless a run then takes longer than ``MAX_COMPARED``.
 
-    ValueError for a cover with which a run takes longer than ``MAX_RUN``.
+    ValueError for one with which a run takes longer than ``MAX_RUN``.
     """
-    needed = math.ceil(height * (enough_rows() or ROWS) / cover * (1.0 - 1e-9))
+    option, most = max(needed.items(), key=lambda pair: pair[1])
 
     def longest(rows: int) -> float:
         return seconds * (rows / ROWS) ** 3
 
-    own = max(ROWS, PARTS * math.ceil(needed / PART))
+    own = max(ROWS, PARTS * math.ceil(most / PART))
     if longest(own) > MAX_COMPARED:
-        own = max(ROWS, PARTS * math.ceil(needed / PARTS))
+        own = max(ROWS, PARTS * math.ceil(most / PARTS))
     if longest(own) > MAX_RUN:
+        hint = "; leave it out, and make the base of so thin a cover a seam (docs/model/seams.md)" if "cover" in option else ""
         raise ValueError(
-            f"--cover {cover:g}: {enough_rows()} rows of particles in it, without which it is held, make a run of {duration(longest(own))} "
-            f"{ON_REFERENCE}, at most {duration(MAX_RUN)}; leave it out, and make the base of so thin a cover a seam (docs/model/seams.md)"
+            f"{option}: the rows of particles that so thin a soil needs make a run of {duration(longest(own))} {ON_REFERENCE}, at most "
+            f"{duration(MAX_RUN)}{hint}"
         )
     found = Rows(own)
-    return found._replace(compared=found.coarse >= needed)
+    return found._replace(compared=found.coarse >= most)
 
 
 def _of_rows(rows: Rows, line: GroundLine, known: Known) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_held
+from sph.checks.finding import Finding
 from sph.checks.messages import listed, sentence
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
@@ -85,7 +86,7 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, s
         "fails from (of those run)",
         "yield acceleration (SPH)",
         f"displacement of {probe} (m)",
-        "run-out (m)",
+        "run-out from its own toe (m)",
         "saves of the displacement",
         *(f"{place}: {what}" for place in places for what in ("runs that reach it", "first after (s of shaking)", "largest depth (m)")),
         *(("factor of safety (Bishop, Spencer)", "yield acceleration (Spencer)") if slices else ()),
@@ -136,13 +137,18 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
 
 
 def doubts(table: pd.DataFrame, rows: Sequence[Row]) -> str:
-    """The errors and warnings that the scenes of one alternative have alone, in a sentence each."""
+    """The errors and warnings that the scenes of alternatives have and the scene as it is has not, each once, in a sentence."""
     if ALTERNATIVE not in table:
         return ""
     of = table[ALTERNATIVE].astype(str)
-    found = [(row, str(of.get(row.worst_run, BASE))) for row in rows if row.finding.counts]
-    alone = [(row.finding, name) for row, name in found if name != BASE and row.runs <= (of == name).sum()]
-    return " ".join(f"But {name} is in doubt: {sentence(finding, keys=False)}." for finding, name in alone)
+    doubted: dict[tuple[str, str], tuple[Finding, list[str]]] = {}
+    for finding, runs, name in ((row.finding, row.runs, str(of.get(row.worst_run, BASE))) for row in rows if row.finding.counts):
+        if name != BASE and runs <= (of == name).sum():
+            doubted.setdefault((finding.code, finding.subject), (finding, []))[1].append(name)
+    parts = [
+        f"{listed(names)} {'is' if len(names) == 1 else 'are'} in doubt: {sentence(each, keys=False)}" for each, names in doubted.values()
+    ]
+    return f"But {'; '.join(parts)}." if parts else ""
 
 
 def _fails(run: Mapping[Any, Any]) -> bool:

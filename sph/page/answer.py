@@ -124,7 +124,7 @@ def answer(
     beside = "" if contradicted(as_it_is(strongest(table)), rows) else verdict(strongest(table), dimensions)
     beside += f" {doubts(table, rows)}" if beside else ""
     return Answer(
-        [_raised(words) for words in (first, beside.strip(), *places) if words],
+        [_raised(words) for words in (first, *places, beside.strip()) if words],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
         [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe, slices_of(table, rows))]
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],

@@ -93,7 +93,7 @@ def test_a_cover_that_costs_much_has_no_rows_to_spare_and_one_that_costs_too_muc
     shutil.rmtree(tmp_path / "own")
     refused = CliRunner().invoke(app, command)
     assert (
-        refused.exit_code == 2 and "--cover 1.5: 3 rows" in refused.stderr and "seam" in refused.stderr and not (tmp_path / "own").exists()
+        refused.exit_code == 2 and "--cover 1.5: the rows" in refused.stderr and "seam" in refused.stderr and not (tmp_path / "own").exists()
     )
 
 
@@ -275,6 +275,18 @@ def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     kinds = json.loads(checked.stdout)
     assert checked.exit_code == 0 and [each["code"] for each in kinds["findings"] if each["severity"] != "note"] == ["cover-late"]
     assert not [each for section in kinds["alternatives"].values() for each in section if each["severity"] == "error"]
+
+
+@pytest.mark.usefixtures("records")
+def test_a_berm_has_the_rows_that_it_needs_at_the_coarser_spacing_as_well() -> None:
+    """Before, one of 4 m on a slope of 26 m was broken into single particles there, which stopped the study."""
+    known = ["--slope", "26,27", "--cover", "7", "--record", "A.csv", "--scale-to", "0.4g", "--alternative", "berm=4", "--out", "own"]
+    assert CliRunner().invoke(app, ["new", *known]).exit_code == 0
+    path = Path("own/study.yaml")
+    path.write_text(path.read_text().replace("fidelity: own", "fidelity: coarse").replace("second_fidelity: coarse", "second_fidelity: null"))
+    kinds = json.loads(CliRunner().invoke(app, ["check", "own/study.yaml", "--json"]).stdout)
+    assert "thin-layer" in {each["code"] for each in kinds["alternatives"]["berm"]}
+    assert not [each for each in kinds["alternatives"]["berm"] if each["severity"] == "error"]
 
 
 @pytest.mark.usefixtures("records")

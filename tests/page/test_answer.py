@@ -82,6 +82,17 @@ def test_debris_of_a_slope_that_falls_unshaken_comes_at_no_time_of_the_shaking()
     assert road[1].startswith("reached in 2 of 6 runs, up to 2.10 m deep")
 
 
+def test_a_place_within_the_error_of_the_run_out_may_be_reached() -> None:
+    near = RUNS.assign(house_passed=RUNS["runout"] - 22.3)
+    (_, words, how) = next(fact for fact in at_places(near) if fact[0] == "At house")
+    assert words == "not reached in 6 runs"
+    assert how.endswith("stops 2.30 m short of it; run-outs may be 12% too short, so it may be reached")
+    farther = RUNS.assign(house_passed=RUNS["runout"] - 22.5)
+    assert all("may be reached" not in how for _, _, how in at_places(farther))
+    unknown = farther.assign(expected_runout_error=math.nan)
+    assert any("25% too short" in how for _, _, how in at_places(unknown)), "a quarter where no error is known"
+
+
 def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> None:
     road, house = at_places(RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING))
     assert house == (
