@@ -244,8 +244,8 @@ def at_places(table: pd.DataFrame, why: str = "", missing: int = 0) -> list[tupl
 
 
 RUN_OUT_ERROR = 0.25
-"""By how much of itself a run-out is taken to be too short where no error is known: with the rows that ``sph new`` writes, those of the slope
-on rock are so by up to a quarter (docs/tutorials/own-slope.md)."""
+"""By how much of itself a run-out is taken to be too short where no error is known: with the rows that ``sph new`` writes, those of the
+slope on rock are so by up to a quarter (docs/tutorials/own-slope.md)."""
 
 
 def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -> tuple[str, str]:
