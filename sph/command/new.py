@@ -124,6 +124,7 @@ geometry:
 # Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is the outcrop motion of the material
 # below the base, where the lowest soil continues. For the motion of a stiffer rock describe that, in kg/m3 and m/s:
 #   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500}}
+# With null the ground sinks for good below debris; a spring_frequency (Hz) in bedrock bears it: docs/model/walls.md
 walls: {{base: absorbing, sides: absorbing, bedrock: null}} # ASSUMED
 soil: # density with its water; strength at the peak and, as residual, of failed soil; youngs_modulus (kPa) in place of shear_wave_speed
 {soil}
@@ -544,6 +545,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         layers = COVER_TEXT.format(cover=known.cover, soil=rock)
         assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too (rock.csv)")
     assumed.append("each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded (motion.factor)")
+    assumed.append("the base bears no load that comes later: below debris the ground sinks for good (walls.bedrock.spring_frequency)")
     if known.peak is None:
         times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
         assumed.append(f"peak acceleration as recorded{times} (--scale-to)")

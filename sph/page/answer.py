@@ -57,8 +57,8 @@ ANNUAL = "*/trigger/fragility_annual.csv"
 """How often a year, where a hazard curve was given."""
 CLAIMS, TRIGGER_CLAIM = "{fidelity}/claims.csv", "*/trigger/claim.csv"
 """The claims of a paper as the study decides them, and the one that a search decides, of the study of such claims."""
-AWAY = "block-runs-away"
-"""The finding of limit equilibrium that a slope fails in the shaking of a run."""
+AWAY, FALLS = "block-runs-away", "fails-unshaken"
+"""The findings that a slope fails: by limit equilibrium in the shaking of a run, and by a static test without shaking."""
 STANDS = "stands-unshaken"
 """The finding of a static test before the runs."""
 SPACINGS = "{fidelity}/spacing.csv"
@@ -148,7 +148,14 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
     if missing:
         said.append(f"So far {len(table)} of {runs_said(size)} are done, and what is said here is of these alone")
     if falls := falling(table, rows):
-        said.append(f"The slope does not stand without shaking{'' if falls == size else f' in {falls} of {size} runs'}")
+        codes = {row.finding.code for row in rows}
+        of = size if FALLS in codes else len(table)
+        where = "" if falls == of else f" in {falls} of {of} runs"
+        if STANDS in codes and FALLS not in codes:
+            softens = f"soil yields and softens before the shaking{where}, so the earthquake is not the only cause"
+            said.append(f"The slope stands at peak strength, but {softens}")
+        else:
+            said.append(f"The slope does not stand without shaking{where}")
     others = strongest(table)
     level = f"At {in_both(float(others[AMPLITUDE].iloc[0]))}" if AMPLITUDE in table else "In this study"
     if (runs := as_it_is(others)) is not others:
@@ -211,7 +218,7 @@ def _bound(known: pd.DataFrame) -> str:
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
     """The number of runs whose slope does not stand without shaking: by the static test before them, or else in the run itself."""
     failed = int((table["status"] == Status.FAILED_UNSHAKEN).sum())
-    return sum(row.runs for row in rows if row.finding.code == "fails-unshaken") or failed
+    return sum(row.runs for row in rows if row.finding.code == FALLS) or failed
 
 
 def _points(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> dict[str, str]:
