@@ -149,8 +149,8 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         said.append(f"So far {len(table)} of {runs_said(size)} are done, and what is said here is of these alone")
     if falls := falling(table, rows):
         codes = {row.finding.code for row in rows}
-        of = size if FALLS in codes else len(table)
-        where = "" if falls == of else f" in {falls} of {of} runs"
+        counted = size if FALLS in codes else len(table)
+        where = "" if falls == counted else f" in {falls} of {counted} runs"
         if STANDS in codes and FALLS not in codes:
             softens = f"soil yields and softens before the shaking{where}, so the earthquake is not the only cause"
             said.append(f"The slope stands at peak strength, but {softens}")

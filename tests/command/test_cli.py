@@ -311,7 +311,7 @@ def test_newmark_slides_a_block_on_a_record(record_file: Path) -> None:
     shown = call("newmark", record_file, "--ay", "0.3g").stdout
     assert shown.splitlines() == [
         "peak ground acceleration  0.6 g (5.886 m/s2), driving downslope",
-        "yield acceleration        2.943 m/s2 (0.3 g), upslope unlimited",
+        "yield acceleration        0.3 g (2.943 m/s2), upslope unlimited",
         "yield over peak           0.5",
         "permanent displacement    0.1177 m",
         "time sliding              0.4 s",
