@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sph.checks.cover_rows import covers
+from sph.checks.cover_rows import SCATTER, covers
 from sph.checks.finding import Finding, called, finding
 from sph.measures.metrics import ENERGY_LIMIT, MINOR, STABLE, MetricSettings, Value, debris_metrics, energy_error, main_mass
+from sph.measures.places import PASSED, column_of
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
@@ -77,6 +78,15 @@ def in_motion(run: Mapping[Any, Any]) -> bool:
 def is_at_least(run: Mapping[Any, Any]) -> bool:
     """Whether displacement and run-out of a run are shown as lower bounds: they are, or the run ends in motion."""
     return is_lower_bound(run) or in_motion(run)
+
+
+def near_miss(run: Mapping[Any, Any], place: str) -> float:
+    """The error of a run-out, as a share of it, if the debris stops short of a place by less than that; else 0.
+
+    It is the run's expected error or, where none is known, the scatter of covers (``SCATTER``).
+    """
+    error = run["expected_runout_error"] if run["expected_runout_error"] > 0.0 else SCATTER
+    return float(error) if 0.0 < -run[column_of(place, PASSED)] < error * run["runout"] else 0.0
 
 
 def at_least(table: pd.DataFrame) -> pd.Series:

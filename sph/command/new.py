@@ -55,7 +55,7 @@ ROWS = 20
 PART, PARTS = 3, 4
 """Share of these for a first look, and to compare with; whole rows at both make the height of the slope and the depth below its toe."""
 MAX_COMPARED, MAX_RUN = 3600.0, 86400.0
-"""Computing time (s) of a run up to which a cover has the rows that it needs at the coarser spacing as well, and at most."""
+"""Computing time (s) of a run up to which thin soil has the rows that it needs at the coarser spacing as well, and at most."""
 BERM_ROWS = 3
 """Rows of particles in a berm, whose ends are thinner: with fewer it breaks into single particles there (``layer-broken``)."""
 SOIL = ("density", "shear_wave_speed", "poisson_ratio", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
@@ -317,7 +317,8 @@ def _depth(text: str) -> float | Path:
 def write_new(known: Known, folder: Path) -> Written:
     """Write ``SCENE`` and ``STUDY``, named after it, and the ``LINES`` that they name into a folder, which is made.
 
-    A cover has the rows of particles that its run-out needs, a plain slope the ground before its toe that its debris may need.
+    A cover has the rows of particles that its run-out needs, a berm those that hold it together, a plain slope the ground before its toe
+    that its debris may need.
 
     ValueError for what cannot be used, where one of the files exists, and for a path that a line of text cannot hold; nothing is left
     behind then.
@@ -457,10 +458,19 @@ def _written(known: Known, folder: Path) -> Written:
         write(section, rows)
         weakest = load_scene(scene, {} if known.has_residual else {"coupling": {"S_R": float(RATIOS[0])}})
         section = _section(known, folder, room_ahead(weakest))
-    thin = {"--cover ": (known.cover, enough_rows() or ROWS), "--alternative berm=": (known.alternatives.get("berm"), BERM_ROWS)}
-    needed = {
-        f"{option}{high:g}": math.ceil(section.height * count / high * (1.0 - 1e-9)) for option, (high, count) in thin.items() if high
-    }
+    needed = [
+        _Thin(f"{option}{high:g}", math.ceil(section.height * count / high * (1.0 - 1e-9)), remedy)
+        for option, high, count, remedy in (
+            (
+                "--cover ",
+                known.cover,
+                enough_rows() or ROWS,
+                "a run on a seam along its base shows whether it stands (docs/model/interfaces.md)",
+            ),
+            ("--alternative berm=", known.alternatives.get("berm"), BERM_ROWS, "give a higher one"),
+        )
+        if high
+    ]
     if needed:
         write(section, rows)
         rows = _enough(needed, cost(load_scene(scene)).seconds)
@@ -626,28 +636,35 @@ def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str
         yield from (each if name in known.alternatives else f"# {each}" for each in block)
 
 
-def _enough(needed: Mapping[str, int], seconds: float) -> Rows:
-    """Rows that thin soils need over the height of the slope, by the option with which each was typed, of a run that takes ``seconds`` with
-    ``ROWS``: at the coarser spacing as well, unless a run then takes longer than ``MAX_COMPARED``.
+class _Thin(NamedTuple):
+    """A soil that decides the rows of particles."""
+
+    option: str  # with which it was typed
+    rows: int  # over the height of the slope, that give it enough
+    remedy: str  # beside leaving it out
+
+
+def _enough(needed: Sequence[_Thin], seconds: float) -> Rows:
+    """Rows that thin soils need, of a run that takes ``seconds`` with ``ROWS``: at the coarser spacing as well, unless a run then takes
+    longer than ``MAX_COMPARED``.
 
     ValueError for one with which a run takes longer than ``MAX_RUN``.
     """
-    option, most = max(needed.items(), key=lambda pair: pair[1])
+    thinnest = max(needed, key=lambda each: each.rows)
 
     def longest(rows: int) -> float:
         return seconds * (rows / ROWS) ** 3
 
-    own = max(ROWS, PARTS * math.ceil(most / PART))
+    own = max(ROWS, PARTS * math.ceil(thinnest.rows / PART))
     if longest(own) > MAX_COMPARED:
-        own = max(ROWS, PARTS * math.ceil(most / PARTS))
+        own = max(ROWS, PARTS * math.ceil(thinnest.rows / PARTS))
     if longest(own) > MAX_RUN:
-        hint = "; leave it out, and make the base of so thin a cover a seam (docs/model/seams.md)" if "cover" in option else ""
         raise ValueError(
-            f"{option}: the rows of particles that so thin a soil needs make a run of {duration(longest(own))} {ON_REFERENCE}, at most "
-            f"{duration(MAX_RUN)}{hint}"
+            f"{thinnest.option}: the rows of particles that so thin a soil needs make a run of {duration(longest(own))} {ON_REFERENCE}, at "
+            f"most {duration(MAX_RUN)}; leave it out, or {thinnest.remedy}"
         )
     found = Rows(own)
-    return found._replace(compared=found.coarse >= most)
+    return found._replace(compared=found.coarse >= thinnest.rows)
 
 
 def _of_rows(rows: Rows, line: GroundLine, known: Known) -> dict[str, Any]:

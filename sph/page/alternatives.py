@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_held
+from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_held, near_miss
 from sph.checks.finding import Finding
 from sph.checks.messages import listed, sentence
 from sph.figures.style import AT_LEAST, NOTHING, metres
@@ -21,6 +22,8 @@ from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE, Dimensi
 from sph.study.preflight import Row
 
 MORE = " farther"
+CLOSE = "debris stops short by less than the error of a run-out"
+"""Why it is not known whether an alternative keeps debris from a place that none of its runs reaches."""
 NOTICED = 0.5
 """Percent of the displacement below which nothing is saved."""
 
@@ -118,7 +121,8 @@ def verdict(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
             return bool(run[reached] > 0.0)
 
         if any(map(reaches, base)):
-            kept.setdefault(tuple(_avoided(of, reaches) for of in runs.values()), []).append(place.replace("_", " "))
+            close = partial(near_miss, place=place)
+            kept.setdefault(tuple(_avoided(of, reaches, close) for of in runs.values()), []).append(place.replace("_", " "))
     asked += [(dict(zip(runs, of, strict=True)), "keep", f"debris from {listed(places)}") for of, places in kept.items()]
     said = [words for each in asked if (words := _which(*each))] + _unknown(asked)
     worst = max(base, key=lambda run: run["displacement_magnitude"])
@@ -155,11 +159,15 @@ def _fails(run: Mapping[Any, Any]) -> bool:
     return bool(run["collapse_class"] != CLASSES[0])
 
 
-def _avoided(runs: Sequence[Mapping[Any, Any]], harm: Callable[[Mapping[Any, Any]], bool]) -> bool | str:
-    """Whether no run does ``harm``; the reason why it is not known where one that has not goes on."""
+def _avoided(
+    runs: Sequence[Mapping[Any, Any]],
+    harm: Callable[[Mapping[Any, Any]], bool],
+    close: Callable[[Mapping[Any, Any]], float] = lambda run: 0.0,
+) -> bool | str:
+    """Whether no run does ``harm``; the reason why it is not known where one that has not goes on, or comes ``close``."""
     if any(map(harm, runs)):
         return False
-    return next((_why(run) for run in runs if is_at_least(run)), True)
+    return next((_why(run) for run in runs if is_at_least(run)), CLOSE if any(map(close, runs)) else True)
 
 
 def _which(outcomes: Mapping[str, bool | str], verb: str, what: str) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.checks.after_run import held
+from sph.checks.after_run import held, near_miss
 from sph.checks.cover_rows import factor_with, is_late
 from sph.checks.finding import Finding
 from sph.checks.messages import Severity, factor_words, limit_how, limit_words, search_words
@@ -243,11 +243,6 @@ def at_places(table: pd.DataFrame, why: str = "", missing: int = 0) -> list[tupl
     return [(f"At {place.replace('_', ' ')}", *at_place(table, place, why, missing)) for place in places_in(table.columns)]
 
 
-RUN_OUT_ERROR = 0.25
-"""By how much of itself a run-out is taken to be too short where no error is known: with the rows that ``sph new`` writes, those of the
-slope on rock are so by up to a quarter (docs/tutorials/own-slope.md)."""
-
-
 def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -> tuple[str, str]:
     """In how many runs the debris reaches a place, how deep, how fast and with what pressure, and when; how far short of it the debris
     stops, and how far the ground of the place itself moves.
@@ -286,10 +281,8 @@ def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -
             how.append(f"no soil that fails comes within {metres(gap)} m of it")
         else:
             how.append(f"the debris{' that goes farthest' * bool(short.sum() > 1)} stops {metres(gap)} m short of it")
-            nearest = table[short & (of[PASSED] == -gap)].iloc[0]
-            error = nearest["expected_runout_error"] if nearest["expected_runout_error"] > 0.0 else RUN_OUT_ERROR
-            if gap < error * nearest["runout"]:
-                how.append(f"run-outs may be {error:.0%} too short, so it may be reached")
+            if error := near_miss(table[short & (of[PASSED] == -gap)].to_dict("records")[0], place):
+                how.append(f"that is within the error of a run-out ({100.0 * error:.0f} %), so it may be reached")
     return "; ".join(words), "; ".join(how)
 
 

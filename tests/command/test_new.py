@@ -17,7 +17,7 @@ import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER, findings
 from sph.command.cli import app
-from sph.command.new import AFTER, Known, Written, write_new
+from sph.command.new import AFTER, BERM_ROWS, Known, Written, write_new
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.study.cost import cost
@@ -287,7 +287,7 @@ def test_a_berm_has_the_rows_that_it_needs_at_the_coarser_spacing_as_well() -> N
     plan = load_study(path)
     with_berm = plan.built(**next(run for run in plan.study.runs.values() if run["alternative"] == "berm"))
     found = {each.code: each.severity for each in findings(with_berm)}
-    assert with_berm.numerics.spacing > 4.0 / 3.0 - 0.1 and found["thin-layer"] == "warning" and "error" not in found.values()
+    assert 4.0 / with_berm.numerics.spacing >= BERM_ROWS and found["thin-layer"] == "warning" and "error" not in found.values()
 
 
 @pytest.mark.usefixtures("records")

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import held_back, lead
@@ -86,11 +87,11 @@ def test_a_place_within_the_error_of_the_run_out_may_be_reached() -> None:
     near = RUNS.assign(house_passed=RUNS["runout"] - 22.3)
     (_, words, how) = next(fact for fact in at_places(near) if fact[0] == "At house")
     assert words == "not reached in 6 runs"
-    assert how.endswith("stops 2.30 m short of it; run-outs may be 12% too short, so it may be reached")
+    assert how.endswith("stops 2.30 m short of it; that is within the error of a run-out (12 %), so it may be reached")
     farther = RUNS.assign(house_passed=RUNS["runout"] - 22.5)
     assert all("may be reached" not in how for _, _, how in at_places(farther))
-    unknown = farther.assign(expected_runout_error=math.nan)
-    assert any("25% too short" in how for _, _, how in at_places(unknown)), "a quarter where no error is known"
+    unknown = near.assign(expected_runout_error=math.nan)
+    assert any(f"({SCATTER:.0%}".replace("%", " %") in how for _, _, how in at_places(unknown)), "that of covers where none is known"
 
 
 def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> None:

@@ -19,7 +19,7 @@ from sph.checks.finding import finding
 from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
-from sph.page.alternatives import compared, doubts, slices_of, verdict
+from sph.page.alternatives import CLOSE, compared, doubts, slices_of, verdict
 from sph.page.facts import few_rows
 from sph.page.tables import turned
 from sph.scene.schema import make_scene
@@ -130,6 +130,7 @@ def table_of(**columns: list[Any]) -> pd.DataFrame:
             "collapse_class": ["minor", "collapse", "stable", "minor", "stable", "stable"],
             "displacement_magnitude": [0.5, 10.0, 0.0, 4.0, 0.0, 0.1],
             "runout": [0.0, 12.0, 0.0, 3.0, 0.0, 0.0],
+            "expected_runout_error": math.nan,
             "yield_acceleration": [1.0, 1.0, 2.0, 2.0, 3.0, 3.0],
             "house_passed": [-12.0, 1.0, 2.0, -9.0, -12.0, -12.0],  # past it with one run, as a film too thin to be debris
             "house_reached": [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
@@ -229,6 +230,9 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
     assert said(findings=["layer-held"] * 6, **fails).endswith(
         f"; what drained saves is unknown: in both {braked}; what buttress saves is unknown: in both {braked}."
     )
+    close = said(house_passed=[-12.0, 1.0, 2.0, -0.3, -12.0, -12.0])
+    assert f"buttress keeps debris from house; whether drained keeps debris from house is unknown, since {CLOSE};" in close
+    assert said(house_passed=[-12.0, 1.0, 2.0, -0.4, -12.0, -12.0]) == said(), "0.12 of a run-out of 3 m"
     several = verdict(table_of(), DIMENSIONS)
     assert "of the displacement in the run that moves farthest as it is (amplitude 4.0 m/s² (0.408 g)), drained saves 6.00 m" in several
     assert said(collapse_class=["stable"] * 6, house_reached=[0.0] * 6).startswith("Of the displacement drained saves"), (

@@ -32,8 +32,8 @@ rule page:
     """Write the page: verdicts, figures, tables, cost, and every run to look at."""
     input:
         study=f"{RESULTS}/study.csv",
-        # sph page may write it again
-        so_far=[
+        # sph page may write it again; asked for here alone, since what searches take is not known at once
+        so_far=lambda wildcards: [
             ancient(f"{folder}/{name}")
             for folder in ahead_of_page(PLAN)
             for name in SO_FAR
