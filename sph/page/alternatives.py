@@ -150,7 +150,10 @@ def doubts(table: pd.DataFrame, rows: Sequence[Row]) -> str:
         if name != BASE and runs <= (of == name).sum():
             doubted.setdefault((finding.code, finding.subject), (finding, []))[1].append(name)
     parts = [
-        f"{listed(names)} {'is' if len(names) == 1 else 'are'} in doubt: {sentence(each, keys=False)}" for each, names in doubted.values()
+        f"{listed(names)} are in doubt, with the numbers of {names[0]}: {sentence(each, keys=False)}"
+        if names[1:]
+        else f"{names[0]} is in doubt: {sentence(each, keys=False)}"
+        for each, names in doubted.values()
     ]
     return f"But {'; '.join(parts)}." if parts else ""
 

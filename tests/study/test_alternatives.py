@@ -250,6 +250,9 @@ def test_what_an_alternative_alone_is_warned_of_is_beside_the_sentence() -> None
     assert doubts(table, [Row(thin, 2, other), Row(few, 6, other), Row(thin, 2, base)]) == (
         "But buttress is in doubt: buttress is thin: 1 particle across, should be at least 4."
     )
+    drained = str(table.index[table["alternative"] == "drained"][0])
+    both = doubts(table, [Row(few, 2, drained), Row(few, 2, other)])
+    assert both.startswith("But drained and buttress are in doubt, with the numbers of drained: ") and both.count("in doubt") == 1
     assert doubts(table.drop(columns="alternative"), [Row(thin, 2, other)]) == ""
 
 
