@@ -54,6 +54,8 @@ TOLD = 0.01
 """Share of a layer from which it is told that it fails and stays."""
 LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
+TWO_COLUMNS = 9.0
+"""Inches of a figure from which on that legend has two columns."""
 NAMED = 0.12
 """Least part of the duration of a stage whose name has room."""
 TITLE = 80
@@ -106,7 +108,13 @@ def layer_legend(
         )
         for n in (range(len(names)) if shown is None else shown)
     ]
-    figure.legend(handles=[*handles, *more], loc="outside upper left", fontsize=7.5, borderaxespad=0.0)
+    columns = legend_columns(figure.get_figure(root=True).get_figwidth())
+    figure.legend(handles=[*handles, *more], loc="outside upper left", fontsize=7.5, borderaxespad=0.0, ncols=columns, columnspacing=0.8)
+
+
+def legend_columns(width: float) -> int:
+    """Columns of the legend of layers in a figure of a width in inches."""
+    return 2 if width >= TWO_COLUMNS else 1
 
 
 def draw_layers(ax: Axes, scene: Scene) -> None:

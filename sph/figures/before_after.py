@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from textwrap import fill
 
@@ -16,6 +17,7 @@ from sph.figures.arrangement import (
     draw_surfaces,
     draw_water,
     layer_legend,
+    legend_columns,
 )
 from sph.figures.profile import (
     OUTSIDE,
@@ -37,8 +39,8 @@ TITLE = 60
 """Most characters in a line of a title over the width of the figure."""
 STEEP = 0.3
 """Height over width of a section from which on both stand side by side."""
-NARROW = 0.5 * WIDTH
-"""Width of the picture on a phone, inches."""
+NARROW, WIDE = 0.5 * WIDTH, 1.3 * WIDTH
+"""Width of the picture on a phone and on a wide screen, inches."""
 
 
 @styled
@@ -72,7 +74,7 @@ def figure_before_after(
     draw_seams(before, scene)
     draw_water(before, scene, named=True)
     shown = [*draw_failed(before, run), *draw_surfaces(before, equilibrium)]
-    figure.set_figheight(height + LEGEND_LINE * (len(scene.soils) + len(shown)))
+    figure.set_figheight(height + LEGEND_LINE * math.ceil((len(scene.soils) + len(shown)) / legend_columns(width)))
     norm = field_norm({title: run}, "displacement", -1)
     circles = draw_profile(after, run, -1, "displacement", norm)
     for ax, frame in ((before, run.gravity_frame), (after, -1)):

@@ -14,15 +14,12 @@ from sph.checks.messages import Severity, block_words, braked_words, factor_word
 from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
-from sph.measures.places import places_in
 from sph.measures.sides import BACK
-from sph.page.alternatives import compared, doubts, slices_of, verdict
+from sph.page.alternatives import compared, doubts, of_alternative, slices_of, verdict
 from sph.page.facts import (
     NOT_SEARCHED,
     NOT_TESTED,
     answer_spacing,
-    at_place,
-    at_places,
     at_residual,
     claims,
     drifts,
@@ -35,8 +32,9 @@ from sph.page.facts import (
     when,
     yearly,
 )
-from sph.page.levels import levels, widths
+from sph.page.levels import beside_others, levels, widths
 from sph.page.matrix import TO_COME
+from sph.page.places import at_places
 from sph.page.tables import Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
@@ -68,7 +66,8 @@ SPACINGS = "{fidelity}/spacing.csv"
 class Answer(NamedTuple):
     """What the first screen says."""
 
-    lead: Sequence[str]  # what happens in the strongest shaking, at each place then and in each alternative
+    lead: Sequence[str]  # what happens in the strongest shaking, and in the alternatives then
+    places: list[Table]  # what debris does at each place then
     facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known
     tables: list[Table]
     alarms: list[str]  # what the spacing decides
@@ -117,14 +116,14 @@ def answer(
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         *when(strongest(own), probe),
         *answer_spacing(found(SPACINGS)),
-        *(at_places(own, why, missing) if len(strongest(own)) < len(own) else ()),  # else the lead says it
+        *beside_others(own),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
-    first, *places = lead(table, rows, why, missing)
-    beside = "" if contradicted(as_it_is(strongest(table)), rows) else verdict(strongest(table), dimensions)
-    beside += f" {doubts(table, rows)}" if beside else ""
+    doubted = contradicted(as_it_is(strongest(table)), rows)
+    beside = "" if doubted else verdict(strongest(table), doubts(table, rows))
     return Answer(
-        [_raised(words) for words in (first, *places, beside.strip()) if words],
+        [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
+        [_table_raised(each) for each in at_places(table, why, bool(doubted))],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
         [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe, slices_of(table, rows))]
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
@@ -141,9 +140,9 @@ def _unless(to_come: Collection[str], code: str, said: tuple[str, str]) -> tuple
     return (TO_COME, "") if code in to_come and said[0] in (NOT_TESTED, NOT_SEARCHED) else said
 
 
-def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> list[str]:
-    """Whether the slopes stand without shaking, and in the strongest shaking of the study how many runs fail and how far the debris goes;
-    behind that what it does at each place.  Where runs are ``missing`` it begins with that."""
+def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> str:
+    """Whether the slopes stand without shaking, and in the strongest shaking of the study how many runs fail and how far the debris goes.
+    Where runs are ``missing`` it begins with that."""
     said, size = list[str](), len(table) + missing
     if missing:
         said.append(f"So far {len(table)} of {runs_said(size)} are done, and what is said here is of these alone")
@@ -186,11 +185,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         if len(moving):
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
-    places = places_in(table.columns) if len(known) else ()
-    unknown = ("not known, as long as runs stand that should fail",) if should else ()
-    there = {place.replace("_", " "): unknown or at_place(known, place, missing=missing) for place in places}
-    more = [f"{place}: {'; '.join(filter(None, told))}" for place, told in there.items()]
-    return [f"{words}." for words in (". ".join([*said, "; ".join(words)]), *more)]
+    return f"{'. '.join([*said, '; '.join(words)])}."
 
 
 def contradicted(runs: pd.DataFrame, rows: Sequence[Row]) -> list[Row]:
@@ -232,7 +227,7 @@ def _raised(words: str) -> str:
 
 
 def _table_raised(table: Table) -> Table:
-    return table._replace(rows=[[_raised(cell) for cell in row] for row in table.rows])
+    return table._replace(caption=_raised(table.caption), rows=[[_raised(cell) for cell in row] for row in table.rows])
 
 
 def held_back(table: pd.DataFrame, rows: Sequence[Row]) -> str:
@@ -251,8 +246,10 @@ def _files(limit: str) -> str:
 
 def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row], client: bool, size: int) -> list[str]:
     runs = len(table)
+    told = [(doubt.finding, doubt.of) for doubt in doubts(table, rows)]
+    told += [(row.finding, f"{row.runs} of {size} runs") for row in rows if not of_alternative(table, row)]
     errors, warnings = (
-        [f"{row.runs} of {size} runs: {sentence(row.finding, not client)}" for row in rows if row.finding.severity == severity]
+        [f"{who}: {sentence(each, not client)}" for each, who in told if each.severity == severity]
         for severity in (Severity.ERROR, Severity.WARNING)
     )
     found = list[str]()

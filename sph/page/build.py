@@ -23,7 +23,7 @@ from sph.checks.after_run import is_bounded
 from sph.checks.equilibrium import found_equilibrium
 from sph.figures import caption as caption_of
 from sph.figures.arrangement import stays_words
-from sph.figures.before_after import NARROW, figure_before_after
+from sph.figures.before_after import NARROW, WIDE, figure_before_after
 from sph.figures.style import DPI, NOTHING, WIDTH
 from sph.measures.metrics import CLASSES, MetricSettings, class_words
 from sph.measures.places import PlaceAt
@@ -285,7 +285,7 @@ def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) ->
     drawing = Drawing("Before and after", caption_of(figure_before_after))
     said = "The run that goes farthest." + f" {stays}" * bool(stays)
     pictures = []
-    for width in (NARROW, WIDTH):
+    for width in (NARROW, WIDTH if beside is not None and beside.wide else WIDE):
         drawn = io.BytesIO()
         figure_before_after(run, title, study.places, equilibrium, width, stacked=tall).savefig(drawn, format="png", dpi=DPI)
         pictures.append(picture(study.runs[name], drawing, drawn=drawn)._replace(said=said))

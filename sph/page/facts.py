@@ -1,4 +1,4 @@
-"""The facts of the first screen, one by one: limits of the slopes, shaking at which they fail, spacings, places, frequencies."""
+"""The facts of the first screen, one by one: limits of the slopes, shaking at which they fail, spacings, frequencies."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.checks.after_run import held, near_miss
 from sph.checks.cover_rows import factor_with, is_late
 from sph.checks.finding import Finding
 from sph.checks.messages import Severity, factor_words, limit_how, limit_words, search_words
@@ -18,9 +17,8 @@ from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, read_spacing
 from sph.figures.style import metres
-from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, STABLE
-from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
-from sph.page.tables import moves_on
+from sph.measures.metrics import CLASSES, STABLE
+from sph.measures.places import PASSED, column_of, places_in
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -236,54 +234,6 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
                     f"{f' and {len(open_runs) - 3} more runs' if len(open_runs) > 3 else ''}."
                 )
     return found
-
-
-def at_places(table: pd.DataFrame, why: str = "", missing: int = 0) -> list[tuple[str, str, str]]:
-    """What the debris does at each place."""
-    return [(f"At {place.replace('_', ' ')}", *at_place(table, place, why, missing)) for place in places_in(table.columns)]
-
-
-def at_place(table: pd.DataFrame, place: str, why: str = "", missing: int = 0) -> tuple[str, str]:
-    """In how many runs the debris reaches a place, how deep, how fast and with what pressure, and when; how far short of it the debris
-    stops, and how far the ground of the place itself moves.
-
-    While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``; nor of runs that are
-    ``missing``."""
-    of = {quantity: table[column_of(place, quantity)] for quantity in (REACHED, PASSED, ARRIVAL, PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)}
-    known, there = of[REACHED].notna(), of[REACHED] > 0.0
-    short = known & ~there
-    braked = short & held(table)
-    moving = short & ~braked & (table["at_rest"] == 0)
-    still = short & ~braked & ~moving
-    words, how = list[str](), list[str]()
-    if there.any():
-        # not of a slope that falls unshaken: its debris may come before the shaking
-        first = (of[ARRIVAL] - table["shaking_start"])[table["status"] != Status.FAILED_UNSHAKEN].min()
-        begins = f", first {first:.3g} s after the shaking begins" * (not math.isnan(first))
-        words.append(f"reached in {there.sum()} of {runs_said(known.sum())}{begins}, up to {metres(of[PEAK_DEPTH][there].max())} m deep")
-        speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
-        words.append(f"its fastest particle {speed} m/s; mean impact pressure over its depth {pressure} kPa at most")
-    elif still.any() or not (known.any() or missing):
-        words.append(f"not reached in {runs_said(still.sum())}")
-    words += [f"not yet in {runs_said(moving.sum())}, whose debris still moves at the end"] * bool(moving.any())
-    words += [f"unknown in {runs_said(braked.sum())}, whose weak soil is held back" + f": {why}" * bool(why)] * bool(braked.any())
-    words += [f"unknown in {runs_said(missing)} still to come"] * bool(missing)
-    words += [f"the ground it stands on moves by up to {metres(of[GROUND].max())} m"] * bool(
-        of[GROUND].max() >= min(AREA_THRESHOLDS.values())
-    )
-    gap = -float(of[PASSED][short].max())
-    if not there.any() and gap > 0.0:
-        if len(on := table[short & (table["at_rest"] == 0)]):
-            how.append(f"the debris is at least {metres(gap)} m short of it then, and moves on: {moves_on(on)}")
-        elif braked.any():
-            how.append(f"the debris comes to {metres(gap)} m of it")
-        elif not (table["collapse_class"].isin(CLASSES[2:]) | (table["runout"] > 0.0))[short].any():
-            how.append(f"no soil that fails comes within {metres(gap)} m of it")
-        else:
-            how.append(f"the debris{' that goes farthest' * bool(short.sum() > 1)} stops {metres(gap)} m short of it")
-            if error := near_miss(table[short & (of[PASSED] == -gap)].to_dict("records")[0], place):
-                how.append(f"that is within the error of a run-out ({100.0 * error:.0f} %), so it may be reached")
-    return "; ".join(words), "; ".join(how)
 
 
 def runs_said(count: float) -> str:

@@ -60,7 +60,6 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
         notes.append(f"{AT_LEAST.strip()}: in at least one run soil still moved at the end.")
     if why:
         notes.append(f"{AT_LEAST.strip()}: debris is braked, so the value is too small: {why}.")
-    notes += _compared(table)
     if table["newmark_displacement"].notna().any():
         soft = table["findings"].str.contains("block-not-rigid").any()
         rigid = "; where the slope is not rigid, the slip of the block is not an upper bound" if soft else ""
@@ -68,16 +67,17 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 
-def _compared(table: pd.DataFrame) -> list[str]:
-    """How far a sliding point and slides of the field go, beside the run-outs, in a sentence; none where no debris passes the toe."""
+def beside_others(table: pd.DataFrame) -> list[tuple[str, str, str]]:
+    """How far the debris of the runs in which it passes the toe goes beside a sliding point and slides of the field; nothing where none
+    does."""
     table = table[table["runout"] > 0.0]
-    if table.empty:
-        return []
-    energy, field = (_lengths(table[name], at_least(table) & False) for name in ("energy_line_runout", "corominas_runout"))
+    own = _lengths(table["runout"], at_least(table))
+    energy, field = (_lengths(table[name], table["runout"] < 0.0) for name in ("energy_line_runout", "corominas_runout"))
     if field == NOTHING:
         return []
-    point = f"{energy} m by the energy line (residual friction, less by water pressure)" if energy != NOTHING else ""
-    return [f"To compare with run-outs: {', '.join(filter(None, (point, f'{field} m by Corominas (debris slides)')))}."]
+    point = f"{energy} m by the energy line" if energy != NOTHING else ""
+    how = "energy line: a point that slides with the residual friction, less by water pressure; Corominas: debris slides observed"
+    return [("Run-out", ", ".join(filter(None, (f"{own} m here", point, f"{field} m by Corominas"))), how)]
 
 
 def _lengths(values: pd.Series, bounds: pd.Series) -> str:

@@ -13,11 +13,14 @@ from sph.checks.after_run import at_least, is_at_least
 from sph.figures.study import arranged
 from sph.figures.style import LEAST, class_colours, metres
 from sph.measures.metrics import CLASSES
+from sph.measures.places import places_in
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
 
 MAX_CELLS = 80
 """Most runs of which each has a cell."""
+MAX_BESIDE = 4
+"""Most columns beside a wide picture."""
 LEGIBLE = 0.4
 """Luminance from which on text on a colour is dark."""
 OPEN = " ?"
@@ -34,6 +37,7 @@ class Cell(NamedTuple):
     kind: str  # a class of the metric, or one of those above
     said: str  # what a pointer on it says
     shown: bool  # whether the page has the run
+    runout: str = ""  # in a study with places, where there is one
 
 
 class Panel(NamedTuple):
@@ -57,6 +61,11 @@ class Matrix(NamedTuple):
         """Lines that it takes."""
         return sum(2 + len(panel.rows) for panel in self.panels)
 
+    @property
+    def wide(self) -> bool:
+        """Whether it leaves little room beside it."""
+        return max(len(panel.head) for panel in self.panels) > MAX_BESIDE
+
 
 def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, shown: Sequence[str]) -> Matrix | None:
     """The matrix of a study's ``table``, whose index are the names of runs, of which the page has those ``shown`` and some may have the
@@ -75,7 +84,8 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
     done = table[table["collapse_class"] != TO_COME]
     unknown = bool((at_least(done) & (done["displacement_magnitude"] < LEAST)).any())
-    caption = f"Displacement of {probe} (m) in each run" + ", with a question mark where it might be more," * unknown
+    beside = ", and below it the run-out," * any(cell.runout for panel in panels for _, cells in panel.rows for cell in cells)
+    caption = f"Displacement of {probe} (m){beside} in each run" + ", with a question mark where it might be more," * unknown
     return Matrix(caption, found.panels[0].along.label, panels, {
         kind: colours for kind, colours in _colours().items() if kind in kinds
     })  # fmt: skip
@@ -98,7 +108,8 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
     bounded, moved = is_at_least(row), row["displacement_magnitude"]
     said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {metres(row['runout'], bounded)} m"  # a block has none
     words = f"{metres(moved)}{OPEN}" if bounded and moved < LEAST else metres(moved, bounded)
-    return Cell(name, words, kind, said, name in shown)
+    goes = metres(row["runout"], bounded) if row["runout"] > 0.0 and places_in(map(str, row)) else ""
+    return Cell(name, words, kind, said, name in shown, goes)
 
 
 def _colours() -> dict[str, tuple[str, str]]:

@@ -85,7 +85,7 @@ def test_a_page_of_some_runs_says_which_are_missing_and_nothing_of_them(plan: Pl
         "So far 1 of 4 runs are done, and what is said here is of these alone. At 4 m/s²",
         "3 runs are still to come",
         "S_R 0.10, amplitude 4.0 m/s² (0.408 g): waiting",
-        "house: not reached in 1 run; unknown in 3 runs still to come; no soil that fails comes within 8.00 m of it.",
+        "house 0 of 1 no soil that fails comes within 8.00 m",
         "no failure found so far up to 4 m/s²",
         "still to come",
         "stands by a static test",

@@ -13,8 +13,9 @@ from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import held_back, lead
-from sph.page.facts import at_places, at_residual, unshaken, yearly
-from sph.page.levels import levels, widths
+from sph.page.facts import at_residual, unshaken, yearly
+from sph.page.levels import beside_others, levels, widths
+from sph.page.places import at_places
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
 from sph.study.tables import write_csv
@@ -60,78 +61,79 @@ LOST = RUNS.assign(**{name: math.nan for name in RUNS if name.startswith(("road_
 """The same without what is at the places, as if all runs had diverged."""
 
 
+def row_of(table: pd.DataFrame, place: str = "house", **given: Any) -> dict[str, str]:
+    """What the page says of a place, by column."""
+    (found,) = at_places(table, **given)
+    return next(dict(zip(found.head, row, strict=True)) for row in found.rows if row[0] == place)
+
+
+SHORT = "where it is not reached"
+
+
 def test_what_the_debris_does_at_a_place() -> None:
-    assert at_places(RUNS) == [
-        (
-            "At road",
-            "reached in 2 of 6 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
-            "mean impact pressure over its depth 31 kPa at most",
-            "",
-        ),
-        ("At house", "not reached in 6 runs", "the debris that goes farthest stops 10.0 m short of it"),
+    (found,) = at_places(RUNS)
+    assert found.caption == "Debris at the places at 4 m/s2 (0.408 g)"
+    assert [list(row) for row in found.rows] == [
+        ["road", "2 of 4", "4 m/s2 (0.408 g)", "2.5", "2.10", "4.2", "31", "stops 2.00 m short"],
+        ["house", "0 of 4", "–", "–", "–", "–", "–", "stops 10.0 m short"],
     ]
-    assert [fact[1:] for fact in at_places(LOST)] == [("not reached in 0 runs", "")] * 2
+    assert at_places(LOST.drop(columns=[name for name in LOST if name.startswith(("road_", "house_"))])) == []
+    assert at_places(RUNS.assign(diverged=1)) == []
     stand = RUNS.assign(collapse_class="minor", runout=0.0, house_passed=-30.0)
-    assert at_places(stand)[1][2] == "no soil that fails comes within 30.0 m of it", "there is no debris to stop"
+    assert row_of(stand)[SHORT] == "no soil that fails comes within 30.0 m", "there is no debris to stop"
+    assert row_of(RUNS[2:], "road")["reached in runs"] == "2 of 4" and "reached from" not in row_of(RUNS[2:]), "one level of shaking"
+    assert row_of(RUNS, contradicted=True)[SHORT] == "not known: runs stand that should fail"
 
 
-def test_debris_of_a_slope_that_falls_unshaken_comes_at_no_time_of_the_shaking() -> None:
-    falls = ["complete"] * 5 + ["failed_unshaken"]
-    road, _ = at_places(RUNS.assign(status=falls, road_arrival=[math.nan] * 4 + [5.5, 1.0]))
-    assert "first 2.5 s after the shaking" in road[1]
-    road, _ = at_places(RUNS.assign(status="failed_unshaken"))
-    assert road[1].startswith("reached in 2 of 6 runs, up to 2.10 m deep")
+def test_each_alternative_has_its_own_row() -> None:
+    runs = RUNS.assign(alternative=["base", "drained"] * 3)
+    assert row_of(runs)["alternative"] == "as it is"
+    rows = [dict(zip(at_places(runs)[0].head, row, strict=True)) for row in at_places(runs)[0].rows]
+    assert [(row["place"], row["alternative"], row["reached in runs"]) for row in rows] == [
+        ("road", "as it is", "1 of 2"),
+        ("road", "drained", "1 of 2"),
+        ("house", "as it is", "0 of 2"),
+        ("house", "drained", "0 of 2"),
+    ]
+    assert [row["first after (s of shaking)"] for row in rows[:2]] == ["4.25", "2.5"]
+    (found,) = at_places(runs, contradicted=True)
+    assert [row[-1].startswith("not known") for row in found.rows] == [True, False] * 2, "of the scene as it is alone"
+
+
+def test_debris_that_comes_before_the_shaking_is_told() -> None:
+    assert row_of(RUNS.assign(road_arrival=[math.nan] * 4 + [5.5, 1.0]), "road")["first after (s of shaking)"] == "before it"
 
 
 def test_a_place_within_the_error_of_the_run_out_may_be_reached() -> None:
     near = RUNS.assign(house_passed=RUNS["runout"] - 22.3)
-    (_, words, how) = next(fact for fact in at_places(near) if fact[0] == "At house")
-    assert words == "not reached in 6 runs"
-    assert how.endswith("stops 2.30 m short of it; that is within the error of a run-out (12 %), so it may be reached")
-    farther = RUNS.assign(house_passed=RUNS["runout"] - 22.5)
-    assert all("may be reached" not in how for _, _, how in at_places(farther))
+    assert row_of(near)["reached in runs"] == "0 of 4"
+    assert row_of(near)[SHORT] == "may be reached: stops 2.30 m short, within its error of 12 %"
+    assert row_of(RUNS.assign(house_passed=RUNS["runout"] - 22.5))[SHORT] == "stops 2.50 m short"
     unknown = near.assign(expected_runout_error=math.nan)
-    assert any(f"({SCATTER:.0%}".replace("%", " %") in how for _, _, how in at_places(unknown)), "that of covers where none is known"
+    assert row_of(unknown)[SHORT].endswith(f"{SCATTER:.0%}".replace("%", " %")), "that of covers where none is known"
 
 
-def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> None:
-    road, house = at_places(RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING))
-    assert house == (
-        "At house",
-        "not reached in 3 runs; not yet in 3 runs, whose debris still moves at the end",
-        "the debris is at least 10.0 m short of it then, and moves on: up to 12 % of the debris, which needs some 7.5 s more to rest",
-    )
-    assert road[1].endswith("at most; not yet in 1 run, whose debris still moves at the end")
-    _, house = at_places(RUNS.assign(at_rest=0, **MOVING))
-    assert house[1] == "not yet in 6 runs, whose debris still moves at the end" and "stops" not in house[2]
-    _, house = at_places(RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING, findings=["layer-held"] * 2 + [""] * 4), "why")
-    assert house[1].startswith("not reached in 1 run; not yet in 3 runs") and "stops" not in house[2]
-    _, house = at_places(RUNS.assign(at_rest=0, **MOVING, findings="layer-held"), "why")
-    assert house[1].startswith("unknown in 6 runs") and "stops" not in house[2], "braked soil moves, too"
-
-
-def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None:
+def test_a_place_that_moving_or_braked_debris_may_still_reach_is_not_out_of_reach() -> None:
     """It is unknown, whatever else was run."""
+    moving = RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING)
+    assert row_of(moving)[SHORT] == "unknown in 3 of 4 runs, still moving; 10.0 m short at the end"
+    assert at_places(moving)[0].note.endswith("Debris that still moves: up to 12 % of the debris, which needs some 7.5 s more to rest.")
+    assert row_of(moving, "road")[SHORT] == "unknown in 1 of 2 runs, still moving; 2.00 m short at the end"
     why = "2 rows of particles in cover"
-    road, house = at_places(RUNS.assign(findings="few-particles weak-on-strong"), why)
-    assert road[1].startswith("reached in 2 of 6 runs, ") and road[1].endswith(f"; unknown in 4 runs, whose weak soil is held back: {why}")
-    assert house == (
-        "At house",
-        f"unknown in 6 runs, whose weak soil is held back: {why}",
-        "the debris comes to 10.0 m of it",
-    )
-    road, house = at_places(RUNS.assign(findings=["", "", "", "layer-held", "", ""]), why)
-    assert road[1].endswith(f"at most; unknown in 1 run, whose weak soil is held back: {why}")
-    assert house[1] == f"not reached in 5 runs; unknown in 1 run, whose weak soil is held back: {why}"
-    assert house[2] == "the debris comes to 10.0 m of it"
-    assert [fact[1:] for fact in at_places(LOST.assign(findings="layer-held"), why)] == [("not reached in 0 runs", "")] * 2
+    braked = RUNS.assign(findings="few-particles weak-on-strong")
+    assert row_of(braked)[SHORT] == "unknown in 4 of 4 runs, held back; 10.0 m short at the end"
+    assert why in at_places(braked, why)[0].note and "held back" not in at_places(RUNS, why)[0].note
+    one = RUNS.assign(findings=["", "", "", "layer-held", "", ""])
+    assert row_of(one)[SHORT] == "unknown in 1 of 4 runs, held back; 10.0 m short at the end"
+    both = RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING, findings=["", "", "layer-held", "layer-held", "", ""])
+    assert row_of(both)[SHORT].startswith("unknown in 4 of 4 runs, held back and still moving")
 
 
 def test_a_place_below_a_cover_that_stands_for_lack_of_rows_is_not_out_of_reach() -> None:
     """Of runs that came down it is."""
     late = RUNS.assign(findings="cover-late", diverged=0, collapse_class="stable")
-    assert at_places(late)[1][1] == "unknown in 6 runs, whose weak soil is held back"
-    assert at_places(late.assign(collapse_class="collapse"))[1][1] == "not reached in 6 runs"
+    assert row_of(late)[SHORT].startswith("unknown in 4 of 4 runs, held back")
+    assert row_of(late.assign(collapse_class="collapse"))[SHORT] == "stops 10.0 m short"
 
 
 @pytest.mark.parametrize("code", ["weak-on-strong", "layer-held"])
@@ -150,17 +152,20 @@ def test_braked_debris_is_a_lower_bound_with_its_reason(code: str) -> None:
 
 
 def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> None:
-    _, (_, told, _) = at_places(RUNS.assign(house_ground_displacement=[0.0, 0.1, 0.75, 0.0, 0.0, math.nan]))
-    assert told == "not reached in 6 runs; the ground it stands on moves by up to 0.750 m"
+    moves = RUNS.assign(house_ground_displacement=[0.0, 0.1, 0.75, 0.0, 0.0, math.nan])
+    assert row_of(moves)["its ground moves (m)"] == "0.750" and row_of(moves, "road")["its ground moves (m)"] == "–"
 
 
 def test_how_far_others_would_go_is_beside_the_run_outs() -> None:
-    runs = RUNS.assign(collapse_class="stable", displacement_magnitude=0.1, newmark_displacement=math.nan)
-    assert "Corominas" not in levels(runs, [], "A").note
+    runs = RUNS.assign(reached_side="")
+    assert beside_others(runs) == []
     others = runs.assign(energy_line_runout=[70.0, 44.0, 40.0] * 2, corominas_runout=11.0)
-    note = levels(others.assign(runout=[0.0, 2.0, 3.0] * 2), [], "A").note
-    assert "40.0 to 44.0 m by the energy line" in note and "11.0 m by Corominas" in note, "without runs whose debris stays above the toe"
-    assert "Corominas" not in levels(others.assign(runout=0.0), [], "A").note
+    ((name, words, how),) = beside_others(others.assign(runout=[0.0, 2.0, 3.0] * 2))
+    assert (name, words) == ("Run-out", "2.00 to 3.00 m here, 40.0 to 44.0 m by the energy line, 11.0 m by Corominas"), (
+        "those that pass the toe"
+    )
+    assert how.startswith("energy line: ")
+    assert beside_others(others.assign(runout=0.0)) == []
 
 
 def test_how_wide_by_the_amplitude() -> None:
@@ -220,8 +225,7 @@ def test_a_static_test_against_limit_equilibrium_is_not_certain() -> None:
 
 def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     def said(*given: Any) -> str:
-        """The lead and what stands below it."""
-        return " ".join(lead(*given))
+        return lead(*given)
 
     runs = RUNS.assign(status="complete", diverged=0, collapse_class=["stable", "stable", "stable", "minor", "collapse", "collapse"])
     bare = runs.drop(columns=[name for name in runs if name.startswith(("road", "house"))])
@@ -233,15 +237,8 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert said(on, []) == f"{fails}{moving}needs some 7.5 s more to rest."
     on["time_to_rest"] = [math.nan] * 3 + [2.0] * 3
     assert said(on, []) == f"{fails}{moving}does not slow down yet in 1 of them."
-    assert said(runs, []).endswith(
-        ". road: reached in 2 of 4 runs, first 2.5 s after the shaking begins, up to 2.10 m deep; its fastest particle 4.2 m/s; "
-        "mean impact pressure over its depth 31 kPa at most. "
-        "house: not reached in 4 runs; the debris that goes farthest stops 10.0 m short of it."
-    )
     assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
-        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fails; debris runs up to 10.0 m beyond the toe. "
-        "road: not reached in 2 runs; the debris that goes farthest stops 2.00 m short of it. "
-        "house: not reached in 2 runs; the debris that goes farthest stops 20.0 m short of it."
+        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fails; debris runs up to 10.0 m beyond the toe."
     ), "an alternative is no run of the slope as it is"
     assert said(bare.assign(alternative="drained"), []).startswith("With drained, at 4 m/s2 (0.408 g) 3 of 4 runs fail"), "so far"
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
@@ -252,8 +249,7 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert said(stable, [away]) == (
         "At 4 m/s2 (0.408 g) no run fails; by limit equilibrium it should fail: with Spencer's yield acceleration of 0.39 m/s2 (0.0398 g) "
         "a rigid block slips 0.417 m, strength is lost within 0.1 m, and at residual strength the factor of safety is 0.36. "
-        "Run it with more rows of particles. "
-        "road: not known, as long as runs stand that should fail. house: not known, as long as runs stand that should fail."
+        "Run it with more rows of particles."
     )
     assert said(bare.set_index(bare.index.astype(str)), [away]).startswith(fails), "it does"
     assert said(bare.assign(runout=math.nan), []) == f"{fails}.", "a block has no run-out"

@@ -1,0 +1,103 @@
+"""What the debris does at each place in the strongest shaking of a study, a row for each alternative."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from sph.checks.after_run import held, near_miss
+from sph.figures.style import NOTHING, metres
+from sph.measures.metrics import AREA_THRESHOLDS, CLASSES
+from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
+from sph.page.tables import Table, filled, moves_on
+from sph.scene.units import in_both
+from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE
+
+HEAD = (
+    "place",
+    ALTERNATIVE,
+    "reached in runs",
+    "reached from",
+    "first after (s of shaking)",
+    "depth up to (m)",
+    "fastest particle (m/s)",
+    "impact pressure (kPa)",
+    "its ground moves (m)",
+    "where it is not reached",
+)
+"""What a row says."""
+
+
+def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) -> list[Table]:
+    """What the debris does at each place in the strongest shaking of the runs of a study; no table without places.
+
+    While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``, nor as long as runs
+    stand that should fail, where the scene as it is is ``contradicted``.
+    """
+    places = places_in(table.columns)
+    known = table[table["diverged"] == 0]
+    if not places or known.empty:
+        return []
+    strongest = known[known[AMPLITUDE] == max(known[AMPLITUDE], key=float)] if AMPLITUDE in known else known
+    names = known[ALTERNATIVE].astype(str) if ALTERNATIVE in known else pd.Series(BASE, known.index)
+    rows = []
+    for place in places:
+        for name in dict.fromkeys(names):
+            runs = strongest[names[strongest.index] == name]
+            called = AS_IT_IS if name == BASE else name
+            first = _reached_from(known[names == name], place) if len(strongest) < len(known) else NOTHING
+            unsure = contradicted and name == BASE
+            rows.append((place.replace("_", " "), called if ALTERNATIVE in known else NOTHING, *_at(runs, place, first, unsure)))
+    level = f" at {in_both(float(strongest[AMPLITUDE].iloc[0]))}" if AMPLITUDE in known else ""
+    reached = (strongest[[column_of(place, REACHED) for place in places]] > 0.0).any(axis=None)
+    notes = ["Impact pressure: mean over the depth of the debris."] * bool(reached)
+    if held(strongest).any():
+        notes.append("Weak soil that is held back might go farther with more rows of particles" + f": {why}" * bool(why) + ".")
+    if len(moving := strongest[strongest["at_rest"] == 0]):
+        notes.append(f"Debris that still moves: {moves_on(moving)}.")
+    return [filled(Table(f"Debris at the places{level}", HEAD, rows, " ".join(notes)))]
+
+
+def _reached_from(runs: pd.DataFrame, place: str) -> str:
+    """The least amplitude of a run whose debris reaches a place."""
+    there = runs.loc[runs[column_of(place, REACHED)] > 0.0, AMPLITUDE].astype(float)
+    return in_both(there.min()) if len(there) else NOTHING
+
+
+def _at(runs: pd.DataFrame, place: str, reached_from: str, contradicted: bool) -> Sequence[str]:
+    """The cells of a place from how many runs reach it on."""
+    of = {quantity: runs[column_of(place, quantity)] for quantity in (REACHED, PASSED, ARRIVAL, PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)}
+    there = of[REACHED] > 0.0
+    reached = f"{there.sum()} of {of[REACHED].notna().sum()}"
+    values = [NOTHING] * 4
+    if there.any():
+        first = float((of[ARRIVAL] - runs["shaking_start"])[there].min())
+        speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
+        begins = NOTHING if first != first else "before it" if first < 0.0 else f"{first:.3g}"
+        values = [begins, metres(float(of[PEAK_DEPTH][there].max())), speed, pressure]
+    ground = float(of[GROUND].max())
+    moves = metres(ground) if ground >= min(AREA_THRESHOLDS.values()) else NOTHING
+    return (reached, reached_from, *values, moves, "not known: runs stand that should fail" if contradicted else _short(runs, place, there))
+
+
+def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:
+    """How far short of a place the debris stops that goes farthest of runs that do not reach it, and how certain that is."""
+    short = runs[~there & runs[column_of(place, REACHED)].notna()]
+    if short.empty:
+        return NOTHING
+    braked = held(short)
+    moving = short[(short["at_rest"] == 0) & ~braked]
+    passed = column_of(place, PASSED)
+    farthest = short.sort_values(passed, na_position="first").to_dict("records")[-1]
+    gap = -float(farthest[passed])
+    away = f"{metres(gap)} m short" if gap > 0.0 else ""
+    if braked.any() or len(moving):
+        reason = " and ".join([*["held back"] * bool(braked.any()), *["still moving"] * bool(len(moving))])
+        count = f" in {int(braked.sum()) + len(moving)} of {len(short)} runs" if len(short) > 1 else ""
+        return f"unknown{count}, {reason}{f'; {away} at the end' if away else ''}"
+    if error := near_miss(farthest, place):
+        return f"may be reached: stops {away}, within its error of {100.0 * error:.0f} %"
+    if not (short["collapse_class"].isin(CLASSES[2:]) | (short["runout"] > 0.0)).any():
+        return f"no soil that fails comes within {metres(gap)} m" if gap > 0.0 else "no soil that fails comes near"
+    return f"stops {away}" if away else "no depth that counts"
