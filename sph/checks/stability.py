@@ -23,6 +23,7 @@ from sph.measures.mobilised import mobilised_by_layer
 from sph.output.run import Run
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
+from sph.scene.uncertain import STEEPEST
 from sph.solver.run import run
 from sph.stability.extrapolation import extrapolated, two_spacings
 from sph.stability.record import SAFETY, SEARCHES, YIELD
@@ -45,8 +46,6 @@ TIMES = (2.0, 1.25, 1.0)
 """The peak strength, times which it is tried whether soil no longer softens under gravity: the most, the first, and that of the scene."""
 WITHIN = 0.04
 """Relative width of the bracket in which that search ends."""
-STEEPEST = 50.0
-"""Largest friction angle that a scene may have, degrees."""
 
 
 def stability(scene: Scene) -> list[Finding]:

@@ -15,7 +15,7 @@ from sph.checks.finding import Finding, codes, finding
 from sph.checks.messages import MESSAGES, Severity, meaning, words
 from sph.checks.motion import POLARITY_RATIO, drifting, mean_period, other_direction
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
-from sph.checks.stability import QUESTIONS, STEEPEST, TIMES, WITHIN, Peak, at_peak, of_softening, stability, strength_needed
+from sph.checks.stability import QUESTIONS, TIMES, WITHIN, Peak, at_peak, of_softening, stability, strength_needed
 from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import MetricSettings
@@ -26,6 +26,7 @@ from sph.scene.ground_motion import GroundMotion
 from sph.scene.natural_periods import natural_frequency
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.strict_json import parse_json
+from sph.scene.uncertain import STEEPEST
 from sph.solver.checkpoint import run_digest, run_to_file
 from sph.solver.run import run
 from sph.stability.extrapolation import UNASKED_RATIO, Extrapolated, extrapolated
@@ -386,11 +387,11 @@ def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeyp
 def test_soil_that_softens_under_gravity_is_told_the_strength_with_which_it_does_not() -> None:
     """Typed as it is said it does away with the error, and brings no other; strength below that by the width of the bracket does not."""
 
-    def told(cohesion: float, friction_angle: float) -> list[Finding]:
+    def told(cohesion: float, friction_angle: float, seeks: bool = False) -> list[Finding]:
         given = scene(**{"soil.cohesion": cohesion, "soil.friction_angle": friction_angle})
-        return of_softening(at_peak(given), given, given)
+        return of_softening(at_peak(given), given, given, seeks)
 
-    (weak,) = told(18.0, 20.0)
+    (weak,) = told(18.0, 20.0, seeks=True)
     assert weak.code == "softens-unshaken" and 3 <= weak.numbers["gravity_tests"] <= 6
     said = re.search(r"as with a cohesion of ([\d.]+) kPa and a friction angle of ([\d.]+) degree in soil$", words(weak).wanted)
     cohesion, angle = map(float, said.groups())  # type: ignore[union-attr]
