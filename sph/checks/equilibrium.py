@@ -89,7 +89,7 @@ def factor_below_1(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[F
     name, unit, high = ("cohesion", 1e3, soil.cohesion + 1e-3 * STABLE * weight(scene)) if soil.cohesion else ("friction_angle", RAD, STEEP)
 
     def excess(value: float) -> float:
-        return min(spencer_factor(with_strength(scene, number, name, value)), MAX_FACTOR) - 1.0
+        return min(spencer_factor(with_strength(scene, number, **{name: value})), MAX_FACTOR) - 1.0
 
     needed = dict[str, float]()
     if not equilibrium.spencer.seam.any() and getattr(soil, name) < high and excess(high) > 0.0:

@@ -157,11 +157,28 @@ def _ratios(of: Numbers) -> str:
     return f" (strength ratio {said})" if said else ""
 
 
+def _strength(of: Numbers, soil: str = "") -> str:
+    """The strength of a soil, whose name and a dot its numbers begin with; nothing where there is none."""
+    cohesion, gradient, angle = (of.get(f"{soil}{name}") for name in ("cohesion", "gradient", "friction_angle"))
+    parts = [f"a cohesion of {1e-3 * (cohesion or 0.0):.3g} kPa"] * (cohesion is not None or gradient is not None)
+    parts = [f"{part}, growing by {1e-3 * gradient:.3g} kPa/m" if gradient is not None else part for part in parts]
+    return listed([*parts, *([f"a friction angle of {math.degrees(angle):.3g} degree"] if angle is not None else [])])
+
+
 def _stable(of: Numbers) -> str:
     """With which strength of the soil along its surface a slope stands, to three digits."""
-    known = f"a cohesion of {1e-3 * of['cohesion']:.3g} kPa" if "cohesion" in of else ""
-    known += f"a friction angle of {math.degrees(of['friction_angle']):.3g} degree" if "friction_angle" in of else ""
+    known = _strength(of)
     return "at least 1" + (f", as with {known} in {{subject}}" if known else "")
+
+
+def _enough(of: Numbers) -> str:
+    """With which strength soil does not soften under gravity, or up to which it does."""
+    if "soils" not in of:
+        return ""
+    if "times" in of:
+        return f"; {of['times']:g} times the peak strength of {{soils}} is not enough"
+    soils = dict.fromkeys(name.rpartition(".")[0] for name in of if "." in name)
+    return ", as with " + listed([f"{_strength(of, f'{soil}.')} in {soil}" for soil in soils])
 
 
 def _mobilised(of: Numbers) -> str:
@@ -332,12 +349,12 @@ MESSAGES: dict[str, Message] = {
     "softens-unshaken": error(
         "soil is at its strength under gravity alone and softens before the shaking, so the result is not due to an earthquake",
         lambda of: "{value:.3g} m2 " + _at(of),
-        f"at most {FAILED_AREA:g} H2 = {{bound:.3g}} m2",
+        lambda of: f"at most {FAILED_AREA:g} H2 = {{bound:.3g}} m2{_enough(of)}",
     ),
     "fails-softened": error(
         "without shaking the slope fails as its soil softens, so the result is not due to the earthquake alone",
         lambda of: f"{_displaced(of)} as it softens, " + _at(of),
-        "to stand",
+        lambda of: "to stand" + _enough(of),
     ),
     "stands-unshaken": note(
         "static test of the slope with particles, at peak strength",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +15,7 @@ from sph.checks.liquefaction import of_liquefaction
 from sph.checks.messages import factor_words, line, record, yield_words
 from sph.checks.motion import frequency_rows, other_direction, peak_accelerations
 from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
-from sph.checks.stability import stability
+from sph.checks.stability import stability, standing
 from sph.command.given import earlier_run, is_study, read_given
 from sph.command.outputs import check_picture
 from sph.command.study import find_study
@@ -29,8 +29,10 @@ from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.solver.particles import Particles, locate_probes, place_particles
+from sph.stability.safety import DEFAULT_RULE
 from sph.stability.slip_search import LimitEquilibrium
-from sph.study.cost import ON_REFERENCE, cost
+from sph.stability.standing import static_scene
+from sph.study.cost import ON_REFERENCE, cost, search_cost
 from sph.study.dimensions import scene_key, value_of
 from sph.study.machine import duration
 from sph.study.plan import Plan
@@ -41,8 +43,10 @@ if TYPE_CHECKING:
 
 LIBRARY = Path(sph.__file__).parents[1]
 """Where the scenes of the repository are."""
-Variants = dict[str, dict[str, list[Finding]]]
+Told = dict[str, dict[str, list[Finding]]]
 """Findings by section of a study, and by the name of a fidelity, an alternative or a motion in it."""
+AT = " at fidelity {}"
+"""Where an alternative is not at the scene's own spacing."""
 MAX_MOTIONS = 20
 """Most motions of a study that are told."""
 
@@ -56,6 +60,19 @@ class Check(NamedTuple):
     layers: list[Layer]
     equilibrium: LimitEquilibrium | None
     findings: list[Finding]
+
+
+class Variants(NamedTuple):
+    """What a study runs of a scene besides it as it is."""
+
+    fidelities: dict[str, Check]
+    """that it runs and that change the scene, by name"""
+    alternatives: dict[str, Check]
+    """at the first fidelity that it runs, by name"""
+    at: str
+    """that fidelity in words, where it changes the scene"""
+    again: dict[str, dict[str, Scene]]
+    """alternatives at its second fidelity, by the names of both"""
 
 
 def answer(
@@ -80,7 +97,7 @@ def answer(
         asked = [name for name, value in others_asked if value]
         if asked:
             raise ValueError(f"--watch: shows section and findings in the browser; leave out {' and '.join(asked)}")
-        watch(path, partial(shown, path, changes, study), say)
+        watch(path, functools.partial(shown, path, changes, study), say)
         return None
     earlier = earlier_run(path)
     shaken = {} if plan is None else {name: [merge(keys, changes) for keys in each] for name, each in motions_of(plan).items()}
@@ -91,15 +108,15 @@ def answer(
         check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
     if study is not None:
         places_of(study, scene)  # refused where they cannot be, drawn or not
-    checked, variants = check(scene), in_variants(path, changes, study)
+    checked = check(scene)
+    variants = in_variants(path, changes, study, plan)
     if plot is not None:
         from sph.figures.style import save
 
         run = None if earlier is None or changes else Run(earlier, scene)
-        alternatives = variants["alternatives"]
-        save(draw([checked, *alternatives.values()], study, run, ["", *alternatives]), plot)
+        save(draw([checked, *variants.alternatives.values()], study, run, ["", *variants.alternatives]), plot)
     motions = {name: [read_given(path, keys)[0] for keys in each] for name, each in shaken.items()} or {"": [scene]}
-    others = further(variants, checked.findings)
+    others = further(variants, checked.findings, static)
     if shaken:
         others["motions"] = in_motions(motions, checked)
     liquefied = [] if magnitude is None else of_liquefaction(scene, checked.particles, magnitude)
@@ -110,7 +127,8 @@ def answer(
         by_section = {section: {name: [record(each) for each in of] for name, of in by_name.items()} for section, by_name in others.items()}
         findings = [record(each) for each in told]
         return to_json({"rows": dict(facts), "layers": named, "findings": findings, **by_section}, indent=1)
-    return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told), *other_lines(others)])
+    offered = [] if static else offered_tests(scene)
+    return "\n".join([aligned(facts), table(LAYER_COLUMNS, layers), *told_lines(told), *other_lines(others), *offered])
 
 
 def scene_and_study(given: Path | None, study: Path | None) -> tuple[Path, Path | None, Plan | None]:
@@ -150,22 +168,33 @@ def in_motions(motions: Mapping[str, Sequence[Scene]], checked: Check) -> dict[s
     return {name or "motion": each for name, each in told.items() if name or each}
 
 
-def in_variants(path: Path, changes: Mapping[str, Any], study: Path | None) -> dict[str, dict[str, Check]]:
-    """The fidelities that a study runs, and its alternatives, by section and name; ValueError for one that is refused."""
-    written = {} if study is None else read_yaml(study)
-    checks: dict[str, dict[str, Check]] = {}
+def in_variants(path: Path, changes: Mapping[str, Any], study: Path | None, plan: Plan | None = None) -> Variants:
+    """The fidelities that a study runs, and its alternatives at them; ValueError for one that is refused.  Of a ``plan`` what it has, or
+    else what is written."""
+    written = plan.study.model_dump() if plan is not None else {} if study is None else read_yaml(study)
     for section in ("fidelities", "alternatives"):
         keys = written.get(section) or {}
         if not isinstance(keys, Mapping) or not all(isinstance(each, Mapping) for each in keys.values()):
             raise ValueError(f"{study}: {section}: must be a section with a section of scene keys for each")
-        run = keys if section == "alternatives" else (written.get("fidelity"), written.get("second_fidelity"))
-        checks[section] = {}
-        for name in (name for name in keys if name in run and keys[name]):
-            try:
-                checks[section][name] = check(read_given(path, merge(changes, keys[name]))[0])
-            except ValueError as error:
-                raise ValueError(f"{study}: {section}.{name}: {error}") from error
-    return checks
+    fidelities, alternatives = written.get("fidelities") or {}, written.get("alternatives") or {}
+
+    def read(key: str, *over: Mapping[str, Any]) -> Scene:
+        try:
+            return read_given(path, functools.reduce(merge, over, changes))[0]
+        except ValueError as error:
+            raise ValueError(f"{study}: {key}: {error}") from error
+
+    run = [str(name) for name in dict.fromkeys((written.get("fidelity"), written.get("second_fidelity"))) if name in fidelities]
+    first = fidelities[run[0]] if run else {}
+    return Variants(
+        {name: check(read(f"fidelities.{name}", fidelities[name])) for name in run if fidelities[name]},
+        {name: check(read(f"alternatives.{name}", first, keys)) for name, keys in alternatives.items() if keys},
+        AT.format(run[0]) if first else "",
+        {
+            fidelity: {name: read(f"alternatives.{name}", fidelities[fidelity], keys) for name, keys in alternatives.items() if keys}
+            for fidelity in run[1:]
+        },
+    )
 
 
 def new_findings(told: Sequence[Finding], known: Sequence[Finding]) -> list[Finding]:
@@ -173,16 +202,47 @@ def new_findings(told: Sequence[Finding], known: Sequence[Finding]) -> list[Find
     return [each for each in told if each.counts and each not in known]
 
 
-def further(variants: Mapping[str, Mapping[str, Check]], known: Sequence[Finding]) -> Variants:
-    """Errors and warnings of variants of a scene, besides what is ``known`` of the scene as it is; limit equilibrium of alternatives."""
-    told = {section: {name: new_findings(each.findings, known) for name, each in of.items()} for section, of in variants.items()}
-    for name, each in variants["alternatives"].items():
+def further(variants: Variants, known: Sequence[Finding], static: bool = False) -> Told:
+    """Errors and warnings of variants of a scene, besides what is ``known`` of the scene as it is.
+
+    Of alternatives limit equilibrium and, if asked for, ``static`` tests, and at a second fidelity what is found neither at the first nor
+    of the scene at that fidelity.
+    """
+    of_fidelity = {name: each.findings for name, each in variants.fidelities.items()}
+    told = {
+        "fidelities": {name: new_findings(each, known) for name, each in of_fidelity.items()},
+        "alternatives": dict[str, list[Finding]](),
+    }
+    everywhere = [each for findings_there in of_fidelity.values() for each in findings_there]
+    for name, each in variants.alternatives.items():
+        found = new_findings(each.findings, [*known, *everywhere])
+        if static:
+            found = [*standing(each.scene), *found]
         if each.equilibrium is not None:
-            told["alternatives"][name].insert(0, finding("limit-equilibrium", **equilibrium_numbers(each.equilibrium)))
+            found.insert(0, finding("limit-equilibrium", **equilibrium_numbers(each.equilibrium)))
+        told["alternatives"][f"{name}{variants.at}"] = found
+    for fidelity, scenes in variants.again.items():
+        for name, scene in scenes.items():
+            before = {_kind(each) for each in (*known, *everywhere, *variants.alternatives[name].findings)}
+            found = [each for each in findings(scene, place_particles(scene)) if each.counts and _kind(each) not in before]
+            told["alternatives"] |= {f"{name}{AT.format(fidelity)}": found} if found else {}
     return told
 
 
-def other_lines(others: Variants) -> list[str]:
+def _kind(of: Finding) -> tuple[str, str, str]:
+    return of.code, of.subject, of.severity
+
+
+def offered_tests(scene: Scene) -> list[str]:
+    """The line that offers the tests of ``--stability``, with their computing time; none for a scene that cannot be tested."""
+    try:
+        seconds = 3.0 * cost(static_scene(scene, DEFAULT_RULE)).seconds + 2.0 * search_cost(scene).seconds
+    except ValueError:
+        return []
+    return [f"whether the slope stands without shaking is not tested; --stability tests it, in about {duration(seconds)} {ON_REFERENCE}"]
+
+
+def other_lines(others: Told) -> list[str]:
     """A line for each finding in a fidelity, an alternative and a motion, and for one without more than notes."""
     named = {f"fidelity {name}": told for name, told in others["fidelities"].items()} | others["alternatives"] | others.get("motions", {})
     none = ["no further warnings"]
@@ -199,7 +259,7 @@ def shown(path: Path, changes: Mapping[str, Any], study: Path | None) -> Shown:
     scene, inputs = read_given(path, changes)
     checked = check(scene)
     variants = in_variants(path, changes, study)
-    figure = draw([checked, *variants["alternatives"].values()], study, names=["", *variants["alternatives"]])
+    figure = draw([checked, *variants.alternatives.values()], study, names=["", *variants.alternatives])
     others = further(variants, checked.findings)
     text = "\n".join([*told_lines(checked.findings), *other_lines(others), "", aligned(rows(checked))])
     return Shown(svg(lambda file: figure.savefig(file, format="svg")), text, [*inputs, *([] if study is None else [str(study)])])

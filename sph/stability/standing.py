@@ -274,9 +274,10 @@ def _with_soils(scene: Scene, soils: Iterable[Soil]) -> Scene:
     return scene.model_copy(update={"soil": own, "layers": layers})
 
 
-def with_strength(scene: Scene, number: int, name: str, value: float) -> Scene:
-    """A scene with another ``cohesion`` (kPa) or ``friction_angle`` (degree) of one of its soils, by its number; it is not validated."""
-    return _with_soils(scene, (soil.model_copy(update={name: value} if i == number else {}) for i, soil in enumerate(scene.soils)))
+def with_strength(scene: Scene, number: int, **strength: Any) -> Scene:
+    """A scene with another ``cohesion`` (kPa), ``friction_angle`` (degree) or ``cohesion_growth`` of one of its soils, by its number; it is
+    not validated."""
+    return _with_soils(scene, (soil.model_copy(update=strength if i == number else {}) for i, soil in enumerate(scene.soils)))
 
 
 def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:

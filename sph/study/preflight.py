@@ -22,7 +22,7 @@ from sph.checks.layers import broken_at, layers_of
 from sph.checks.messages import OR, Severity, line, record
 from sph.checks.motion import other_direction
 from sph.checks.scene import findings
-from sph.checks.stability import QUESTIONS, Peak, at_peak, of_limit, of_standing, settled, softening
+from sph.checks.stability import QUESTIONS, Peak, at_peak, of_limit, of_standing, settled
 from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json, to_json
 from sph.solver.particles import place_particles
@@ -176,11 +176,12 @@ def search_seconds(scene: Scene, trials: Sequence[float]) -> float:
 def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = print) -> list[Row]:
     """What static tests of the scenes of a study say, by the names of its runs.
 
-    Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``.
+    Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``.  The
+    strength with which one would not soften is sought until that has taken as long.
     """
     runs, statics, quick, by_finding = _slopes(scenes)
     peaks: dict[str, Peak] = {}
-    spent, left = 0.0, list[str]()
+    spent, sought, left = 0.0, 0.0, list[str]()
     for (peak_key, _), names in runs.items():
         static = statics[names[0]]
         if spent > LONGEST:
@@ -192,11 +193,13 @@ def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = pr
             spent += one + cost(settled(quick[names[0]])).seconds
         peak = peaks[peak_key]
         scene = scenes[names[0]]
-        for each in of_standing(peak, scene, static, lambda at=scene: softening(standing_scene(at))):  # type: ignore[misc]
+        for each in of_standing(peak, scene, static, quick[names[0]], sought <= LONGEST):
             if each not in by_finding:
                 say(f"{names[0]}: {line(each)}")
             by_finding.setdefault(each, []).extend(names)
-        spent += one * (1 + 2 * (peak.begun and not peak.too_much)) * peak.trial.stands
+            if tests := each.numbers.get("static_tests"):
+                sought += tests * one + each.numbers["gravity_tests"] * cost(settled(quick[names[0]])).seconds
+        spent += one * (1 + 2 * (bool(peak.begun) and not peak.too_much)) * peak.trial.stands
     if left:
         by_finding[finding("stability-unknown", subject="stability of further slopes")] = left
     return _rows(by_finding)

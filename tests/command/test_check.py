@@ -15,7 +15,7 @@ from calling import call
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cases.limit_analysis import limit_factor
-from sph.checks.finding import Finding
+from sph.checks.finding import Finding, finding
 from sph.checks.messages import line, words
 from sph.checks.scene import MAX_HEIGHT_ERROR, MIN_IN_WAVE, findings, height_error, highest_frequency, in_wave
 from sph.checks.stability import stability
@@ -253,6 +253,48 @@ def test_a_study_alone_is_checked_with_its_scene_and_fidelities(tmp_path: Path, 
     missing, other = call("check"), call("info", "study.yaml")
     assert missing.exit_code == REFUSED and "a study, which names its scene" in missing.stderr
     assert other.exit_code == REFUSED and other.stderr.endswith("is a study, where a scene is asked for: give its scene, sound.yaml\n")
+
+
+def test_alternatives_are_checked_at_the_fidelities_that_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A layer that is thin at the first and broken at the second; what is found at both is told once, of the first."""
+    monkeypatch.chdir(tmp_path)
+    Path("sound.yaml").write_text(yaml.safe_dump(SOUND))
+    clay = {"region": {"kind": "elevation", "bottom": 433.0, "top": 434.5}}
+    study = {
+        "study": "own",
+        "scene": "sound.yaml",
+        "alternatives": {"cut": {"layers": {"clay": clay}}, "stiffer": {"soil": {"cohesion": 200.0}}},
+    }
+    study |= {"fidelity": "fine", "grid": {"amplitude": ["1.0"]}}
+    spacings = {"fine": {}, "draft": {"numerics": {"spacing": 2.0}}}
+
+    def told(**keys: Any) -> list[str]:
+        Path("study.yaml").write_text(yaml.safe_dump(study | {"fidelities": spacings} | keys))
+        lines = call("check", "study.yaml").stdout.splitlines()
+        return [said.partition("[")[0] + said.rpartition("[")[2] for said in lines if said.startswith(("cut", "stiffer"))]
+
+    def codes(lines: list[str]) -> list[tuple[str, str]]:
+        return [(said.split(": ")[0], said.rpartition(" ")[2].removesuffix("]")) for said in lines if "limit-equilibrium" not in said]
+
+    nothing = ("stiffer", "warnings")
+    assert codes(told()) == [("cut", "thin-layer"), nothing]
+    assert codes(told(second_fidelity="draft")) == [("cut", "thin-layer"), nothing, ("cut at fidelity draft", "layer-broken")]
+    first = codes(told(fidelity="draft"))
+    assert first == [("cut at fidelity draft", "layer-broken"), ("stiffer at fidelity draft", "warnings")]
+
+
+def test_static_tests_are_offered_and_made_of_alternatives_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file, study = tmp_path / "sound.yaml", tmp_path / "study.yaml"
+    file.write_text(yaml.safe_dump(SOUND))
+    study.write_text(yaml.safe_dump({"alternatives": {"stiffer": {"soil": {"cohesion": 200.0}}}}))
+    assert re.search(r"--stability tests it, in about \d+ (s|min)", call("check", file, "--configfile", study).stdout.splitlines()[-1])
+    monkeypatch.setattr("sph.command.check.stability", lambda scene: [])
+    monkeypatch.setattr(
+        "sph.command.check.standing", lambda scene: [finding("stands-unshaken", spacing=scene.soil.cohesion, run_spacing=1.0)]
+    )
+    lines = call("check", file, "--configfile", study, "--stability").stdout.splitlines()
+    (tested,) = [said for said in lines if "stands-unshaken" in said]
+    assert tested.startswith("stiffer: ") and "at a spacing of 200 m" in tested and not any("--stability" in said for said in lines)
 
 
 def test_the_motions_of_a_study_are_told_as_they_are_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
