@@ -32,7 +32,7 @@ from sph.page.facts import (
     when,
     yearly,
 )
-from sph.page.levels import beside_others, levels, widths
+from sph.page.levels import levels, widths
 from sph.page.matrix import TO_COME
 from sph.page.places import at_places
 from sph.page.tables import Table, filled, moves_on, turned
@@ -116,7 +116,6 @@ def answer(
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         *when(strongest(own), probe),
         *answer_spacing(found(SPACINGS)),
-        *beside_others(own),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     doubted = contradicted(as_it_is(strongest(table)), rows)
@@ -181,7 +180,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
         moving = known[known["at_rest"] == 0]
         if (farthest := known["runout"].max()) > 0.0:
-            words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe")
+            words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe{_beside_others(known)}")
         if len(moving):
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
@@ -208,6 +207,14 @@ def as_it_is(table: pd.DataFrame) -> pd.DataFrame:
 def _bound(known: pd.DataFrame) -> str:
     """Whether the largest run-out of some runs is that, or more was to come."""
     return "at least" if at_least(known).any() else "up to"
+
+
+def _beside_others(known: pd.DataFrame) -> str:
+    """How far a sliding point and slides of the field would go where the debris goes farthest, in brackets."""
+    farthest = known.loc[known["runout"].idxmax()]
+    others = {"energy line": farthest["energy_line_runout"], "Corominas": farthest["corominas_runout"]}
+    words = ", ".join(f"{name} {metres(goes)} m" for name, goes in others.items() if not math.isnan(goes))
+    return f" ({words})" * bool(words)
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:

@@ -67,19 +67,6 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 
-def beside_others(table: pd.DataFrame) -> list[tuple[str, str, str]]:
-    """How far the debris of the runs in which it passes the toe goes beside a sliding point and slides of the field; nothing where none
-    does."""
-    table = table[table["runout"] > 0.0]
-    own = _lengths(table["runout"], at_least(table))
-    energy, field = (_lengths(table[name], table["runout"] < 0.0) for name in ("energy_line_runout", "corominas_runout"))
-    if field == NOTHING:
-        return []
-    point = f"{energy} m by the energy line" if energy != NOTHING else ""
-    how = "energy line: a point that slides with the residual friction, less by water pressure; Corominas: debris slides observed"
-    return [("Run-out", ", ".join(filter(None, (f"{own} m here", point, f"{field} m by Corominas"))), how)]
-
-
 def _lengths(values: pd.Series, bounds: pd.Series) -> str:
     """The smallest to the largest of some lengths in m, some of which are lower bounds."""
     values = values.dropna()

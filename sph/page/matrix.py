@@ -84,7 +84,7 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
     done = table[table["collapse_class"] != TO_COME]
     unknown = bool((at_least(done) & (done["displacement_magnitude"] < LEAST)).any())
-    beside = ", and below it the run-out," * any(cell.runout for panel in panels for _, cells in panel.rows for cell in cells)
+    beside = ", beside it the run-out," * any(cell.runout for panel in panels for _, cells in panel.rows for cell in cells)
     caption = f"Displacement of {probe} (m){beside} in each run" + ", with a question mark where it might be more," * unknown
     return Matrix(caption, found.panels[0].along.label, panels, {
         kind: colours for kind, colours in _colours().items() if kind in kinds

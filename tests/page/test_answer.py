@@ -14,7 +14,7 @@ from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import held_back, lead
 from sph.page.facts import at_residual, unshaken, yearly
-from sph.page.levels import beside_others, levels, widths
+from sph.page.levels import levels, widths
 from sph.page.places import at_places
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
@@ -156,16 +156,11 @@ def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> N
     assert row_of(moves)["its ground moves (m)"] == "0.750" and row_of(moves, "road")["its ground moves (m)"] == "–"
 
 
-def test_how_far_others_would_go_is_beside_the_run_outs() -> None:
-    runs = RUNS.assign(reached_side="")
-    assert beside_others(runs) == []
-    others = runs.assign(energy_line_runout=[70.0, 44.0, 40.0] * 2, corominas_runout=11.0)
-    ((name, words, how),) = beside_others(others.assign(runout=[0.0, 2.0, 3.0] * 2))
-    assert (name, words) == ("Run-out", "2.00 to 3.00 m here, 40.0 to 44.0 m by the energy line, 11.0 m by Corominas"), (
-        "those that pass the toe"
-    )
-    assert how.startswith("energy line: ")
-    assert beside_others(others.assign(runout=0.0)) == []
+def test_how_far_others_would_go_is_beside_the_run_out() -> None:
+    runs = RUNS.assign(energy_line_runout=[70.0, 44.0, 40.0] * 2, corominas_runout=11.0, runout=[0.0, 2.0, 3.0] * 2)
+    assert "3.00 m beyond the toe (energy line 40.0 m, Corominas 11.0 m)" in lead(runs, [])
+    assert "3.00 m beyond the toe (Corominas 11.0 m)" in lead(runs.assign(energy_line_runout=math.nan), [])
+    assert "beyond the toe" not in lead(runs.assign(runout=0.0), [])
 
 
 def test_how_wide_by_the_amplitude() -> None:
