@@ -8,6 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy: beside other
 
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -30,6 +31,12 @@ settings.load_profile("ci" if os.environ.get("CI") else "anywhere else")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--scenes", type=int, default=500, help="scenes that the relations between answers are tried on, in the long tests")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Where only the long tests are asked for, files without any are not imported: each worker imports all the others."""
+    only_long = config.getoption("markexpr") == "long" and collection_path.name.startswith("test_") and collection_path.suffix == ".py"
+    return True if only_long and "mark.long" not in collection_path.read_text(encoding="utf-8") else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

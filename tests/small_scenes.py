@@ -49,6 +49,17 @@ FREE_BLOCK: dict[str, Any] = {
 }
 """A block that floats: no walls, no gravity, too strong to yield."""
 
+ABOVE_A_WALL: dict[str, Any] = {
+    "walls.base": "fixed",
+    "geometry": {
+        "shape": "bodies",
+        "width": 10.0,
+        "height": 30.0,
+        "bodies": [{"kind": "polygon", "points": [[0.0, 10.0], [10.0, 10.0], [10.0, 20.0], [0.0, 20.0]]}],
+    },
+}
+"""Lifts ``FREE_BLOCK`` by 10 m from a wall that it never feels, so that the solver's variant is that of ``SLOPE``."""
+
 TWO_BODIES: dict[str, Any] = {
     "shape": "bodies",
     "width": 6.0,

@@ -88,7 +88,6 @@ def test_an_apron_that_the_side_holds_is_told() -> None:
         "geometry.crest_length": 25.0,
         "soil.cohesion": 28.0,
         "soil.friction_angle": 0.0,
-        "walls": {"base": "no_slip", "sides": "free_slip"},
         "coupling.S_R": 0.95,
         "motion.amplitude": 2.5,
         "duration": 10.0,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 import datetime
+import functools
 import math
 import types
 from collections.abc import Iterator, Mapping
@@ -81,6 +82,7 @@ def allowed(annotation: Any, *metadata: Any) -> Strategy:
     return st.none() if annotation in (None, type(None)) else junk
 
 
+@functools.cache
 def section(model: type[BaseModel]) -> Strategy:
     """A section with values that each of its keys allows by itself."""
     fields = {name: _of(field) for name, field in model.model_fields.items()}
@@ -91,23 +93,25 @@ def section(model: type[BaseModel]) -> Strategy:
     )
 
 
-def keys(model: type[BaseModel], path: Path = ()) -> Iterator[tuple[Path, Strategy]]:
+@functools.cache
+def keys(model: type[BaseModel]) -> list[tuple[Path, Strategy]]:
     """Every key that a model declares, with the values it allows."""
+    found: list[tuple[Path, Strategy]] = []
     for name, field in model.model_fields.items():
-        yield (*path, name), _of(field)
-        for inner in _sections(field.annotation):
-            yield from keys(inner, (*path, name))
+        found.append(((name,), _of(field)))
+        found += [((name, *path), values) for inner in _sections(field.annotation) for path, values in keys(inner)]
+    return found
 
 
 def settings(model: type[BaseModel]) -> Strategy:
     """One to three keys of a model with values they allow, nested."""
-    pairs = st.sampled_from(list(keys(model))).flatmap(lambda pair: pair[1].map(lambda value: (pair[0], value)))
+    pairs = st.sampled_from(keys(model)).flatmap(lambda pair: pair[1].map(lambda value: (pair[0], value)))
     return st.lists(pairs, min_size=1, max_size=3).map(_nested)
 
 
 def changed(model: type[BaseModel], base: Mapping[str, Any], most: int = 3) -> Strategy:
     """A good configuration in which some keys hold other values that they allow, or junk, are missing, unknown or misspelt."""
-    declared = list(keys(model))
+    declared = keys(model)
     places = [path for path, _ in declared] + list(_written(base))
     good = st.sampled_from(declared).flatmap(lambda pair: pair[1].map(lambda value: (pair[0], value)))
     bad = st.tuples(st.sampled_from(places), st.one_of(junk, st.just(_Missing), st.just(_Unknown)))

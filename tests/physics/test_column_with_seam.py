@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_scenes import NOTHING
 
 from sph.scene.schema import make_scene
 from sph.solver.run import run
@@ -24,7 +25,7 @@ def settled(seams: dict[str, Any]) -> tuple[float, np.ndarray]:
             "soil": {"density": 2000, "youngs_modulus": 2e5, "poisson_ratio": 0.3, "cohesion": 5000, "friction_angle": 30, "viscosity": 2},
             "seams": seams,
             "coupling": {"S_R": 1.0, "gamma": 0.0},
-            "damping": None,
+            "damping": NOTHING["damping"],  # the variant of a block on a seam
             "numerics": {"spacing": 1.0},
             "probes": {"A": [10.0, 19.5]},
         }

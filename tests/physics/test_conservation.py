@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from comparison import momenta
+from small_scenes import ABOVE_A_WALL
 
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
@@ -21,7 +22,8 @@ class Closed:
 
     def __init__(self, free_block: Any, overrides: dict[str, Any]) -> None:
         scene: Scene = free_block(
-            {
+            ABOVE_A_WALL
+            | {
                 "soil.cohesion": 5.0,
                 "soil.youngs_modulus": 2e4,
                 "coupling.S_R": 0.2,
@@ -37,22 +39,21 @@ class Closed:
             | overrides
         )
         run = Simulation(scene)
-        generator = np.random.default_rng(11)
-        run.particles.x[:] += generator.uniform(-0.15, 0.15, run.particles.x.size)
-        run.particles.y[:] += generator.uniform(-0.15, 0.15, run.particles.x.size)
+        generator, n = np.random.default_rng(11), run.particles.n_soil
+        run.particles.x[:n] += generator.uniform(-0.15, 0.15, n)
+        run.particles.y[:n] += generator.uniform(-0.15, 0.15, n)
         self.particles, self.state = run.particles, run.state
         for name in ("x", "x_pairs", "x_candidates"):
             getattr(self.state, name)[:] = self.particles.x
         for name in ("y", "y_pairs", "y_candidates"):
             getattr(self.state, name)[:] = self.particles.y
-        n = self.particles.x.size
-        self.state.vx[:] = 2.0 * generator.normal(size=n) - 0.8 * (self.particles.y - 5.0) + 3.0
-        self.state.vy[:] = 2.0 * generator.normal(size=n) + 0.8 * (self.particles.x - 5.0)
+        self.state.vx[:n] = 2.0 * generator.normal(size=n) - 0.8 * (self.particles.y[:n] - 15.0) + 3.0
+        self.state.vy[:n] = 2.0 * generator.normal(size=n) + 0.8 * (self.particles.x[:n] - 5.0)
         run.prepare()
         self.start = momenta(self.particles, self.state)
         self.scale = self.particles.mass @ np.hypot(self.state.vx, self.state.vy)
         self.angular_scale = self.particles.mass @ (
-            np.hypot(self.state.vx, self.state.vy) * np.hypot(self.particles.x - 5.0, self.particles.y - 5.0)
+            np.hypot(self.state.vx, self.state.vy) * np.hypot(self.particles.x - 5.0, self.particles.y - 15.0)
         )
         self.drift = np.zeros(3)
         self.failed = self.overlaps = 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from small_scenes import SceneBuilder
+from small_scenes import ABOVE_A_WALL, SceneBuilder
 
 from sph.solver.simulation import Simulation
 
@@ -17,7 +17,8 @@ def positions(free_block: SceneBuilder, dt: float) -> np.ndarray:
     """Where the particles of an elastic block are that starts unstressed, with a smooth velocity."""
     simulation = Simulation(
         free_block(
-            {
+            ABOVE_A_WALL
+            | {
                 "coupling.S_R": 1.0,
                 "soil.youngs_modulus": 5e5,
                 "numerics.time_step": dt,

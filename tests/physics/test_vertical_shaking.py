@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from small_scenes import SceneBuilder
+from small_scenes import ABOVE_A_WALL, SceneBuilder
 
 from sph.scene.schema import make_scene
 from sph.solver.run import run
@@ -22,7 +22,7 @@ def record(start: float, interval: float, x: list[float], y: list[float]) -> dic
 def test_a_free_block_stays_where_it_is_while_the_box_moves(free_block: SceneBuilder) -> None:
     # Nothing holds it, so relative to the box it falls with -a: after n kicks v = -n a dt, its way their sum; both axes alike.
     up, right, dt = 4.0, -3.0, 1e-4
-    block = free_block({"duration": 0.11, "damping.ratio": 0.0, "motion": record(0.01, 1.0, [right, right], [up, up])})
+    block = free_block(ABOVE_A_WALL | {"duration": 0.11, "damping.ratio": 0.0, "motion": record(0.01, 1.0, [right, right], [up, up])})
     ds = run(block).trajectory
     kicks = np.maximum(np.round(ds["sample_time"].values / dt) - 100, 0)
     way = 0.5 * kicks * (kicks + 1) * dt**2

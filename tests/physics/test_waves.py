@@ -18,18 +18,19 @@ PULSE_WIDTH = 7.0
 
 
 def block(width: float, height: float, smoothing_ratio: float) -> Scene:
-    """A free block of the paper's soil without gravity.
+    """A free block of the paper's soil without gravity, 10 m above a wall.
 
-    Damping and artificial viscosity are 0 and no particle comes near another, so that they are there without an effect: one variant of
-    the solver with the free block of other tests.
+    Damping and artificial viscosity are 0 and no particle comes near another or the wall, so that they are there without an effect: one
+    variant of the solver with the slope of other tests.
     """
+    corners = [[0.0, 10.0], [width, 10.0], [width, 10.0 + height], [0.0, 10.0 + height]]
     return make_scene(
         {
             "scheme": "paper",
             "name": "wave",
             "duration": 0.2,
-            "geometry": {"shape": "block", "width": width, "height": height},
-            "walls": {"base": "none", "sides": "none"},
+            "geometry": {"shape": "bodies", "width": width, "height": height + 20.0, "bodies": [{"kind": "polygon", "points": corners}]},
+            "walls": {"base": "fixed", "sides": "none"},
             "soil": {"cohesion": 1e6},
             "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
             "damping": {"ratio": 0.0},
@@ -135,7 +136,7 @@ def test_stress_of_the_p_pulse() -> None:
     scene = block(90.0, 110.0, 1.3)
     _, state = peak_times(scene, "x", 30.0, [20.0], 0.030)
     particles = place_particles(scene)
-    row = np.flatnonzero((np.abs(particles.y - 55.5) < 0.1) & (particles.x > 45.0))
+    row = np.flatnonzero((np.abs(particles.y - 65.5) < 0.1) & (particles.x > 45.0))
     front = row[np.argmax(state.vx[row])]
     stress = state.sxx[front] * state.density[front] ** 2
     assert stress == pytest.approx(-scene.soil.density * scene.soil.p_wave_speed * state.vx[front], rel=0.03)

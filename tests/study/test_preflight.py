@@ -251,7 +251,7 @@ def test_slopes_that_are_not_searched_are_told(known: float, monkeypatch: pytest
 @pytest.mark.long
 def test_the_first_screen_is_not_on_the_unsafe_side() -> None:
     """The quick limits reach down to what a search at the scene's own spacing extrapolates."""
-    slope = scene(**{"numerics.spacing": 0.7})
+    slope = scene(**{"numerics.spacing": 0.75})
     rows = {row.finding.code: row.finding.numbers for row in of_study({"one": slope}, lambda line: None)}
     for code, find in (("factor-of-safety", factor_of_safety), ("yield-acceleration", yield_acceleration)):
         closer = extrapolated(find, slope)
