@@ -8,6 +8,8 @@ fraction of that and leave a larger error.
 from __future__ import annotations
 
 import functools
+import itertools
+import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -17,6 +19,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks import equilibrium
+from sph.checks.cover_rows import covers
 from sph.checks.finding import Finding, finding
 from sph.checks.layers import broken_at, layers_of
 from sph.checks.messages import OR, Severity, line, record
@@ -26,7 +29,7 @@ from sph.checks.stability import QUESTIONS, Peak, at_peak, of_limit, of_standing
 from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json, to_json
 from sph.solver.particles import place_particles
-from sph.stability.extrapolation import RATIO, at_spacing, unasked_spacings
+from sph.stability.extrapolation import RATIO, UNASKED_RATIO, at_spacing, unasked_spacings
 from sph.stability.record import SEARCHES, YIELD
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, dividing, slope_height, static_scene, weakened
@@ -38,6 +41,11 @@ from sph.study.tables import MAX_SLOPES, count_column, number_column, read_csv, 
 
 QUICK_TOLERANCE = 0.03
 """Relative width of the brackets in which the searches of a study end."""
+DEARER = 3.0
+"""Times as long as with the ``quick_spacings`` that a search may take where these do not resolve a layer."""
+COVER_ROWS = 3
+"""Rows of particles that weak soil on stronger ground needs at both spacings of a search: with fewer the factor of safety does not fall in
+proportion to the spacing (2.3, 1.7 and 1.4 with 1.4, 2.1 and 2.6 rows where Spencer's is 1.09), and extrapolates to anything."""
 QUICK_ROWS = 2
 """Rows of particles across the thinnest layer at the finer of these spacings, where the scene's own has as many."""
 LONGEST = 60.0
@@ -93,6 +101,26 @@ def quick_spacings(scene: Scene) -> tuple[float, float]:
     coarse, fine = unasked_spacings(scene, RATIO * own, DEFAULT_RULE)
     thinnest = min(layer.thickness for layer in layers_of(scene, place_particles(scene)) if layer.particles) * own
     return coarse, min(fine, dividing(max(own, thinnest / QUICK_ROWS), slope_height(scene)))
+
+
+def search_spacings(scene: Scene) -> tuple[float, float]:
+    """Those of a study's searches: the coarsest, no coarser than these, that break no layer which is whole in the scene and give weak soil
+    on stronger ground ``COVER_ROWS`` rows.  ValueError where a search then takes more than ``DEARER`` times as long as with these."""
+    height, quick = slope_height(scene), quick_spacings(scene)
+    thin = min((cover.thickness for cover in covers(scene) if not cover.seamed), default=math.inf)
+
+    def resolved(spacing: float) -> float:
+        rows = round(height / dividing(min(spacing, thin / COVER_ROWS), height))
+        return next(finer for finer in (height / each for each in itertools.count(rows)) if not broken_at(scene, [finer]))
+
+    coarse = resolved(quick[0])
+    spacings = coarse, resolved(min(quick[1], coarse / UNASKED_RATIO))
+    if spacings != quick and (times := _seconds(scene, QUICK_TRIALS, spacings) / _seconds(scene, QUICK_TRIALS, quick)) > DEARER:
+        raise ValueError(
+            f"numerics.spacing: with {quick[0]:.3g} and {quick[1]:.3g} m a layer would be broken, or weak soil have fewer than "
+            f"{COVER_ROWS} rows of particles; a search with {spacings[0]:.3g} and {spacings[1]:.3g} m takes {times:.2g} times as long"
+        )
+    return spacings
 
 
 def standing_scene(scene: Scene) -> Scene:
@@ -166,10 +194,17 @@ def plan_seconds(plan: Plan) -> tuple[float, float]:
 
 
 def search_seconds(scene: Scene, trials: Sequence[float]) -> float:
-    """Computing time on the reference machine of numbers of static tests of a scene at the ``quick_spacings``, s."""
+    """Computing time on the reference machine of numbers of static tests of a scene at the ``search_spacings``, s; 0 without a search."""
+    try:
+        return _seconds(scene, trials, search_spacings(scene))
+    except ValueError:
+        return 0.0
+
+
+def _seconds(scene: Scene, trials: Sequence[float], spacings: Sequence[float]) -> float:
     return sum(
         number * cost(static_scene(at_spacing(scene, spacing), DEFAULT_RULE)).seconds
-        for number, spacing in zip(trials, quick_spacings(scene), strict=True)
+        for number, spacing in zip(trials, spacings, strict=True)
     )
 
 
@@ -223,11 +258,14 @@ def study_limits(
             continue
         limits = list[Finding]()
         if searches and spent <= LONGEST:
-            of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
-            for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
+            for broken in broken_at(scene, unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)):  # of the search for the block
                 say(f"{names[0]}: {line(broken)}")
                 by_finding.setdefault(broken, []).extend(names)
-            limits = [of_limit(code, scene, QUICK_TOLERANCE, quick_spacings(scene)) for code in searches]
+            try:
+                spacings = search_spacings(scene)
+                limits = [of_limit(code, scene, QUICK_TOLERANCE, spacings) for code in searches]
+            except ValueError as error:
+                limits = [finding("stability-unknown", subject=code, reason=str(error)) for code in searches]
         elif searches:
             unsearched += names
         if not limits and len(slopes) > MAX_SLOPES:  # limit equilibrium takes a second

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from sph.checks.cover_rows import covers
 from sph.checks.finding import Finding, codes, finding
+from sph.checks.layers import broken_at
 from sph.checks.messages import MESSAGES, Severity, meaning, words
 from sph.checks.motion import POLARITY_RATIO, drifting, mean_period, other_direction
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
@@ -38,10 +40,13 @@ from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.cost import cost
 from sph.study.preflight import (
+    COVER_ROWS,
     QUICK_TOLERANCE,
     Row,
     quick_spacings,
     read_preflight,
+    search_seconds,
+    search_spacings,
     standing_scene,
     stop_for_errors,
     study_findings,
@@ -445,13 +450,17 @@ def test_a_static_test_may_lose_strength_as_the_scene_does() -> None:
     assert kept.model_dump(exclude=same) == lost.model_dump(exclude=same)
 
 
-def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is nearly two rows at the scene's spacing is less than one at the coarse one, so that the extrapolated limit may be wrong."""
+def test_the_quick_searches_break_no_layer_that_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is nearly two rows at the scene's spacing would be less than one at twice that: finer spacings, or no search if they cost much.
+    That for the sliding block breaks it, which is told."""
     seam = scene(layers=thin_layers(clay=0.7), **{"geometry.base": 425.0, "numerics.spacing": 0.4})
-    assert quick_spacings(seam) == pytest.approx((1.0, 0.4))
+    assert quick_spacings(seam) == pytest.approx((1.0, 0.4)) and search_spacings(seam) == pytest.approx((10.0 / 15, 0.4))
+    assert broken_at(seam, search_spacings(seam)) == [] != broken_at(seam, quick_spacings(seam))
     stands = Trial(1.0, True, 0.0, 0.0, "complete", 0.0)
+    searched: list[Sequence[float]] = []
 
     def unsearched(*arguments: Any, **options: Any) -> None:
+        searched.append(options["asked"])
         raise ValueError("no search in this test")
 
     for place in ("sph.study.preflight", "sph.checks.stability"):
@@ -460,10 +469,25 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
     monkeypatch.setattr("sph.checks.stability.extrapolated", unsearched)
     said: list[str] = []
     found = {row.finding.code: row.finding for row in of_study({"one": seam}, said.append)}
-    assert found["layer-broken"].subject == "clay" and words(found["layer-broken"]).measured.endswith("at a spacing of 1 m")
+    assert searched == [search_spacings(seam)] * len(QUESTIONS)
+    assert found["layer-broken"].subject == "clay" and words(found["layer-broken"]).measured.endswith("at a spacing of 0.769 m")
     assert [line.rpartition("[")[2] for line in said if "layer-broken" in line] == ["layer-broken]"]
     assert "layer-broken" not in {each.code for each in findings(seam)}
     assert "layer-broken" in {each.code for each in stability(seam)}
+    searched.clear()
+    monkeypatch.setattr("sph.study.preflight.DEARER", 1.1)
+    told = [row.finding for row in of_study({"one": seam}, said.append) if row.finding.code == "stability-unknown"]
+    assert [each.subject for each in told] == list(QUESTIONS) and not searched and search_seconds(seam, (9, 6)) == 0.0
+    assert "a layer would be broken" in words(told[0]).measured and "1.2 times as long" in words(told[0]).measured
+
+
+def test_the_quick_searches_give_a_cover_three_rows() -> None:
+    rock = {"rock": {"region": {"kind": "depth", "top": 2.4}, "soil": {"cohesion": 500.0, "friction_angle": 40.0}}}
+    covered = scene(**{"numerics.spacing": 0.4, "layers": rock})
+    (cover,) = covers(covered)
+    coarse, fine = search_spacings(covered)
+    assert cover.thickness / quick_spacings(covered)[0] < COVER_ROWS <= cover.thickness / coarse < COVER_ROWS + 1
+    assert coarse >= UNASKED_RATIO * fine and round(10.0 / fine, 9).is_integer()
 
 
 def test_what_has_no_slope_is_told_with_the_reason() -> None:
