@@ -11,10 +11,12 @@ import scipy  # type: ignore[import-untyped]
 
 from sph.checks.finding import Finding, finding
 from sph.checks.layers import MIN_IN_LAYER, layers_of
+from sph.scene.geometry import SLOPES
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_line import GroundLine
 from sph.scene.loading import motion_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
+from sph.scene.natural_periods import column_at, impedance_below
 from sph.scene.schema import Scene
 from sph.solver.particles import place_particles
 from sph.stability.newmark import sliding_block
@@ -24,6 +26,8 @@ from sph.stability.standing import slope_height, weakened, with_strength
 
 MAX_DIFFERENCE = 0.05
 """Of a factor of safety by SPH from Spencer's, over that, which is told."""
+STIFFER = 1.5
+"""Impedance of bedrock over that of the lowest soil from which on a slip surface ends at it."""
 STABLE = 0.3
 """Cohesion over unit weight and height with which any slope stands; of a vertical cut 0.261 (Taylor 1937)."""
 STEEP, RAD = 60.0, math.radians(1.0)
@@ -104,8 +108,12 @@ def weight(scene: Scene) -> float:
 
 
 def slip_at_base(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Finding]:
-    """The finding of a slip surface that ends at an absorbing base with, by the scene, the same soil below it."""
-    if equilibrium is None or not scene.walls.kinds.base.absorbs or scene.walls.bedrock is not None:
+    """The finding of a slip surface that ends at an absorbing base with, by the scene, ground below it like the lowest soil."""
+    if equilibrium is None:
+        return []
+    assert isinstance(scene.geometry, SLOPES)
+    column = column_at(scene, scene.geometry.crest)
+    if impedance_below(scene, column) > STIFFER * float(column.impedance[-1]):
         return []
     lowest = {name: float(surface.y.min()) for name, surface in equilibrium._asdict().items() if surface.y.size}
     reach: dict[str, Any] = {name: height for name, height in lowest.items() if height < scene.numerics.spacing}

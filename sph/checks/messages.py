@@ -425,8 +425,7 @@ MESSAGES: dict[str, Message] = {
         _stable,
     ),
     "slip-at-base": warning(
-        "a slip surface reaches an absorbing base with the same soil below it; such a base carries no static load applied after the "
-        "gravity stage",
+        "a slip surface reaches an absorbing base with ground like the lowest soil below it, into which it would go on",
         _reaching,
         "to lie above the base, or end on stiff ground",
     ),
@@ -506,6 +505,11 @@ MESSAGES: dict[str, Message] = {
         "{value:.3g %} instead of {given:.3g %}",
         "at most {bound:.3g %}",
         meaning="the first mode of the ground is damped more than twice as much as the ratio that is given",
+    ),
+    "soft-bedrock": warning(
+        "the bedrock below an absorbing base is softer than the lowest soil",
+        "an impedance of {value:.3g} kg/m2/s",
+        "at least that of the lowest soil, {bound:.3g} kg/m2/s",
     ),
     "vertical-unused": note(
         "the vertical component of the motion",

@@ -45,6 +45,8 @@ LOWEST, HIGHEST = 0.25, 20.0
 MAX_RIGID = 0.1
 """Natural period of the slope over the mean period of the motion up to which a sliding block may be rigid; from there to 1 it slips too
 little, beyond that more or less than the slope moves (Jibson 2011)."""
+SOFTER = 0.9
+"""Impedance of bedrock over that of the lowest soil below which it is told: ground hardly gets softer with depth."""
 OTHER_DAMPING = 2.0
 """Damping ratio of the first mode over the one that is given, from which on the frequencies of the damping are another column's."""
 NO_PEAK = "none: below the base lies soil like the lowest, or softer, so only the depth of the model sets the column frequency"
@@ -111,6 +113,15 @@ def of_damping(scene: Scene) -> list[Finding]:
     low, high = (float(f"{each:.3g}") for each in (frequency, max(frequency * 5.0, scene.damping.frequencies[1])))
     key = f"damping.frequencies=[{low:g}, {high:g}]"
     return [finding("damping-off-frequency", key, value=ratio, bound=OTHER_DAMPING * given, given=given, frequency=frequency)]
+
+
+def soft_bedrock(scene: Scene) -> list[Finding]:
+    """A warning if the bedrock of an absorbing base is softer than the ground on it."""
+    if not isinstance(scene.geometry, SLOPES):
+        return []
+    column = column_at(scene, scene.geometry.crest)
+    below, lowest = impedance_below(scene, column), float(column.impedance[-1])
+    return [finding("soft-bedrock", "walls.bedrock", value=below, bound=lowest)] if below < SOFTER * lowest else []
 
 
 def not_rigid(scene: Scene, loading: Loading) -> list[Finding]:

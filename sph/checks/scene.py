@@ -13,7 +13,7 @@ import numpy as np
 from sph.checks.finding import Finding, called, finding
 from sph.checks.layers import of_layers
 from sph.checks.loss import of_loss, of_softening
-from sph.checks.motion import not_rigid, of_damping, of_motion
+from sph.checks.motion import not_rigid, of_damping, of_motion, soft_bedrock
 from sph.checks.soil import of_rest, of_soils
 from sph.checks.step_limits import step_limits
 from sph.scene.geometry import Slope
@@ -231,6 +231,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + of_motion(scene, loading)
         + not_rigid(scene, loading)
         + of_damping(scene)
+        + soft_bedrock(scene)
         + of_level_ground(scene, particles, loading)
         + _series(scene)
         + _step(scene)

@@ -103,6 +103,8 @@ a point that slides from the crest of a slope of 15° to rest needs 4.8 with a f
 sooner where all soil has come to rest."""
 LOWERED, BERM = 0.3, 0.2
 """By how much the water line of a file is lowered once drained, and height of a berm, that are suggested, over the slope's height."""
+SPRING = 0.1
+"""Frequency of the spring of the base, Hz: a tenth of that of most motions, to whose traction it then adds 0.5 %."""
 GENTLEST, STEEPEST = 5.0, 80.0
 """Angles of a plain slope, degree."""
 MAX_TITLE = 100
@@ -121,11 +123,14 @@ geometry:
   file: {ground}
   base: {base:.8g} # m, elevation of the model's base; deeper than any slip surface, whole rows of particles below the toe
   downhill: {downhill}{ends}
-# Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is the outcrop motion of the material
-# below the base, where the lowest soil continues. For the motion of a stiffer rock describe that, in kg/m3 and m/s:
-#   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500}}
-# With null the ground sinks for good below debris; a spring_frequency (Hz) in bedrock bears it: docs/model/walls.md
-walls: {{base: absorbing, sides: absorbing, bedrock: null}} # ASSUMED
+# Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is the outcrop motion of the bedrock,
+# which is here as the lowest soil: change both. For the motion of a stiffer rock describe that, in kg/m3 and m/s:
+#   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500, spring_frequency: {spring:g}}}
+# Without spring_frequency (Hz) the ground sinks for good below debris: docs/model/walls.md
+walls:
+  base: absorbing
+  sides: absorbing
+  bedrock: {bedrock} # ASSUMED
 soil: # density with its water; strength at the peak and, as residual, of failed soil; youngs_modulus (kPa) in place of shear_wave_speed
 {soil}
   dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay  ASSUMED
@@ -554,8 +559,9 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         rock = _flow(known.of_layer(ROCK))
         layers = COVER_TEXT.format(cover=known.cover, soil=rock)
         assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too (rock.csv)")
-    assumed.append("each record is the outcrop motion of the lowest soil (walls.bedrock), in the direction as recorded (motion.factor)")
-    assumed.append("the base bears no load that comes later: below debris the ground sinks for good (walls.bedrock.spring_frequency)")
+    assumed.append(
+        "each record is the outcrop motion of bedrock like the lowest soil (walls.bedrock), in the direction as recorded (motion.factor)"
+    )
     if known.peak is None:
         times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
         assumed.append(f"peak acceleration as recorded{times} (--scale-to)")
@@ -592,6 +598,8 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "placeholder": "" if replaced else "; remove the words in brackets when the soil is yours",
         "after": section.after,
         "ground": quoted(os.path.relpath(section.file, folder)),
+        "bedrock": _flow(_bedrock(known.whole_soil | (ROCK if known.cover is not None else {}))),
+        "spring": SPRING,
         "downhill": line.downhill,
         "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
         "soil": "\n".join(f"  {key}: {value:.10g} # {units[key]}{'' if key in own else '  ASSUMED'}" for key, value in soil.items()),
@@ -665,6 +673,18 @@ def _enough(needed: Sequence[_Thin], seconds: float) -> Rows:
         )
     found = Rows(own)
     return found._replace(compared=found.coarse >= thinnest.rows)
+
+
+def _bedrock(soil: Mapping[str, float]) -> dict[str, float]:
+    """Bedrock like a soil, with a spring that bears what is added on it."""
+    speed, ratio = soil["shear_wave_speed"], soil["poisson_ratio"]
+    faster = math.sqrt(2.0 * (1.0 - ratio) / (1.0 - 2.0 * ratio))
+    return {
+        "density": soil["density"],
+        "s_wave_speed": speed,
+        "p_wave_speed": _digits(faster * speed, 4),
+        "spring_frequency": SPRING,
+    }
 
 
 def _of_rows(rows: Rows, line: GroundLine, known: Known) -> dict[str, Any]:

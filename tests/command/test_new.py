@@ -17,7 +17,7 @@ import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER, findings
 from sph.command.cli import app
-from sph.command.new import AFTER, BERM_ROWS, Known, Written, write_new
+from sph.command.new import AFTER, BERM_ROWS, SPRING, Known, Written, write_new
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.study.cost import cost
@@ -105,7 +105,8 @@ def test_a_cover_that_is_none_is_refused(tmp_path: Path, thickness: str) -> None
 def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
     scene, study, _ = written(tmp_path)
     keys = yaml.safe_load(scene.read_text(encoding="utf-8"))
-    assert keys["walls"] == {"base": "absorbing", "sides": "absorbing", "bedrock": None} and keys["soil"]["dilation_angle"] == 0.0
+    assert keys["walls"] | {"bedrock": {}} == {"base": "absorbing", "sides": "absorbing", "bedrock": {}}
+    assert keys["soil"]["dilation_angle"] == 0.0
     assert set(keys["coupling"]["softening"]) == {"slip_at_peak", "slip_at_residual", "width"}
     for line in ("walls:", "dilation_angle:", "softening:"):
         at = next(number for number, text in enumerate(scene.read_text(encoding="utf-8").splitlines()) if text.strip().startswith(line))
@@ -117,6 +118,15 @@ def test_the_damping_fits_the_column_that_sph_info_names(tmp_path: Path) -> None
     told = CliRunner().invoke(app, ["info", str(tmp_path / "scene.yaml")]).output
     assert scene.damping is not None and f"{scene.damping.frequencies[0]:.3g} Hz below the crest edge" in told
     assert scene.damping.frequencies[1] == pytest.approx(5.0 * scene.damping.frequencies[0])
+
+
+def test_the_bedrock_is_as_the_lowest_soil_and_bears_what_comes_on_it(tmp_path: Path) -> None:
+    scene = load_scene(written(tmp_path).scene)
+    rock, lowest = scene.walls.bedrock, scene.soils[-1]
+    assert rock is not None and rock.spring_frequency == SPRING
+    assert (rock.density, rock.s_wave_speed) == pytest.approx((lowest.density, lowest.s_wave_speed))
+    assert rock.p_wave_speed == pytest.approx(lowest.p_wave_speed, rel=1e-3)
+    assert "soft-bedrock" not in {each.code for each in findings(scene)}
 
 
 def test_rock_below_is_described_as_the_comment_says(tmp_path: Path) -> None:

@@ -152,6 +152,16 @@ def test_a_soft_layer_on_stiff_soil_sets_the_frequency_that_is_printed() -> None
         assert told["column frequency"].startswith("1.86 Hz below the crest edge, 3.75 Hz below the toe")
 
 
+@pytest.mark.parametrize(("speed", "told"), [(300.0, True), (700.0, True), (800.0, False), (2000.0, False)])
+def test_bedrock_softer_than_the_ground_on_it_is_told(speed: float, told: bool) -> None:
+    """By the impedance: the lowest soil has 800 m/s."""
+    bedrock = {"density": soft().soils[-1].density, "s_wave_speed": speed, "p_wave_speed": 2.0 * speed}
+    scene = soft(walls={"base": "absorbing", "sides": "absorbing", "layers": 4, "bedrock": bedrock})
+    found = [each for each in findings(scene) if each.code == "soft-bedrock"]
+    assert [words(each).key for each in found] == ["walls.bedrock"] * told
+    assert "soft-bedrock" not in {each.code for each in findings(soft(walls={"base": "absorbing", "sides": "absorbing", "layers": 4}))}
+
+
 def test_damping_by_the_stiff_soil_alone_is_found_and_the_layered_frequency_named() -> None:
     scene = soft()
     (found,) = [each for each in findings(scene) if each.code == "damping-off-frequency"]

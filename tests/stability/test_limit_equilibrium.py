@@ -352,6 +352,7 @@ def test_a_slope_whose_block_slips_farther_than_its_strength_lasts_should_fail()
     [
         ({}, True),  # without friction circles go as deep as they may
         ({"walls.bedrock": {"density": 2200.0, "s_wave_speed": 900.0, "p_wave_speed": 1800.0}}, False),
+        ({"walls.bedrock": {"density": 1900.0, "s_wave_speed": 200.0, "p_wave_speed": 400.0}}, True),
         ({"walls.base": "no_slip"}, False),
         ({"soil.friction_angle": 30.0}, False),
         ({"layers": {"deep": {"region": {"kind": "depth", "top": 12.0}, "soil": {"cohesion": 200.0}}}}, False),
