@@ -115,6 +115,18 @@ def test_an_element_follows_the_written_curve(shape: str, changes: dict[str, Any
 
 
 @pytest.mark.uncompiled
+def test_slip_counts_from_the_end_of_the_gravity_stage() -> None:
+    # At 0.3 s the element has slipped 58 mm at its peak strength: it keeps that, and loses strength by what it slips from then on.
+    rate, end = 0.05, 0.3
+    time, stress = element({"xy": rate}, {"gravity": {"duration": end}, "duration": 0.6})
+    at_yield = (time > 1.5 * COHESION / SHEAR_MODULUS / rate) & (time < end)
+    np.testing.assert_allclose(stress[at_yield], COHESION, rtol=1e-6)
+    after = time > end + 0.01
+    np.testing.assert_allclose(stress[after].mean(axis=1), strength(rate * (time[after] - end) * WIDTH), rtol=0.01)
+    assert stress[-1].max() < 0.6 * COHESION
+
+
+@pytest.mark.uncompiled
 @pytest.mark.parametrize("rate", [0.2, 0.4])
 def test_a_rate_of_loss_is_a_speed_over_a_slip(rate: float) -> None:
     # Sheared at a constant speed v an element loses its strength by time as by slip where gamma = 3 v / D_95: within 2 % of the peak, from

@@ -36,7 +36,7 @@ from sph.solver.physics.mohr_coulomb import MohrCoulomb
 from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
 from sph.solver.physics.seams import keep_normal_stress, slide, without_slip
-from sph.solver.physics.slip import gather_plastic_strain, has_slipped, mean_strain
+from sph.solver.physics.slip import forget_slip, gather_plastic_strain, has_slipped, mean_strain
 from sph.solver.physics.strength_loss import remaining_weight
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
@@ -222,7 +222,10 @@ def _fails(terms: Terms, state: State, i: int, reached: bool) -> bool:
 def _arm_and_fail(state: State, terms: Terms, reached: np.ndarray, first: int, last: int, time: float) -> int:
     """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
     newly_failed = 0
+    arming = time < terms.armed_from + terms.dt
     for i in range(first, min(last, terms.n_failing)):
+        if arming:
+            forget_slip(terms.slip, state, i)
         if state.phase[i] == UNARMED:
             state.phase[i] = YIELDED if _fails(terms, state, i, reached[i]) else ARMED
         elif state.phase[i] == HELD:

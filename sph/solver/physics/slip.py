@@ -118,6 +118,16 @@ def _has_slipped(slip: Slip, state: State, i: int, peak_strain: float) -> bool:
     return state.mean_plastic_strain[i] >= peak_strain
 
 
+@slot
+def forget_slip(slip: Slip | None, state: State, i: int) -> None:
+    """Count the slip of particle i from now on."""
+
+
+@forget_slip.of(Slip)
+def _forget_slip(slip: Slip, state: State, i: int) -> None:
+    state.plastic_strain[i] = state.mean_plastic_strain[i] = 0.0
+
+
 class SlipState(NamedTuple):
     """What the term keeps of the state."""
 
