@@ -601,5 +601,7 @@ def test_a_slope_that_collapses_in_the_gravity_stage_says_so_in_its_status(tmp_p
     assert "of the soil yields under gravity alone" in run.trajectory.attrs["status_reason"]
     values = run_values(Run.read(path["end"]), MetricSettings(), float("nan"))
     assert values["status"] == "failed_unshaken" and float(values["failed_unshaken"]) > 0.1
-    assert float(values["gravity_stage_displacement"]) > 0.1 and values["first_failure_time"] == pytest.approx(3.0)
+    assert float(values["gravity_stage_displacement"]) > 0.1
+    slips_first = "coupling.softening" in settings  # its slip counts from the end of the stage
+    assert values["first_failure_time"] == pytest.approx(3.0, abs=0.01 if slips_first else 3e-6)
     assert values["findings"] == " ".join(code for code in MESSAGES if code in {each.code for each in findings(weak)})
