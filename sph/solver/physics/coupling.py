@@ -11,8 +11,9 @@ state.  Until then the solid state is elastic, perfectly plastic; what it is aft
 deviator starts from the stress at t_f.  The elastic pressure is common to both.
 
 At the end of the gravity stage every particle is armed.  Soil that is at yield there has failed under
-gravity alone: its t_f is the end of the stage.  Particles held by a fixed wall (``sph.solver.initial_state``) yield
-because the wall carries them and not because the slope does not stand: such a one is armed once it has come off the surface clearly.
+gravity alone: its t_f is the end of the stage; not so soil that fails by slip, which counts from there.
+Particles held by a fixed wall (``sph.solver.initial_state``) yield because the wall carries them and not
+because the slope does not stand: such a one is armed once it has come off the surface clearly.
 """
 
 from __future__ import annotations

@@ -17,7 +17,9 @@ at yield and its mean reaches the peak's (``coupling.softening``); what it then 
 The sum in the numerator is over the particle's own soil, that in the denominator over all soil and over the places of walls that hold
 it, which do not slip: slip in a weak seam does not soften the soil beside it, and is not more slip because the seam is thin or lies on the
 base.  Both go around periodic sides; particles of fixed walls have no strain and never fail.  The mean is renewed in every step in which a
-particle is at yield, and decides in the next one.  A particle gathers while its solid state has a weight.  Non-local averages of what
+particle is at yield, and decides in the next one.  A particle gathers while its solid state has a weight.  At the end of the gravity stage
+both are set to 0: ground that stands has not come to its stress by the way gravity is brought on here, and a slope that yields on that way
+would soften before it is shaken.  Non-local averages of what
 softens: Bazant and Jirasek (2002); slip before the loss of strength: Palmer and Rice (1973).
 """
 
