@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -16,6 +17,9 @@ from sph.scene.soil import Soil
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.interface import soil_numbers
 from sph.solver.physics.seams import seam_sides
+from sph.stability.extrapolation import UNASKED_RATIO, unasked_spacings
+from sph.stability.safety import DEFAULT_RULE
+from sph.stability.standing import dividing, slope_height
 
 MIN_IN_LAYER = 4
 """Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
@@ -173,6 +177,20 @@ def broken_at(scene: Scene, spacings: Iterable[float]) -> list[Finding]:
             if each.subject not in there:
                 by_layer.setdefault(each.subject, each)
     return list(by_layer.values())
+
+
+def unbroken(scene: Scene, spacing: float) -> float:
+    """The coarsest spacing (m), no coarser than this, that divides the slope's height and breaks no layer which is whole in the scene."""
+    height = slope_height(scene)
+    rows = itertools.count(round(height / dividing(spacing, height)))
+    return next(finer for finer in (height / each for each in rows) if not broken_at(scene, [finer]))
+
+
+def own_spacings(scene: Scene) -> tuple[float, float]:
+    """Coarse and fine spacing (m) of a search beside the runs of a scene: twice their own and that, finer where that breaks a layer."""
+    coarse, fine = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
+    coarse = unbroken(scene, coarse)
+    return coarse, unbroken(scene, min(fine, coarse / UNASKED_RATIO))
 
 
 def _is_continuous(section: Section, spacing: float) -> bool:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TextIO, cast
 
 from sph.checks.finding import codes
+from sph.checks.layers import own_spacings
 from sph.checks.messages import line
 from sph.checks.scene import findings
 from sph.jobs.ahead import Task, keep_log, take_up
@@ -122,7 +123,8 @@ def make(task: Task, threads: int, shown: TextIO | None = None, backend: Backend
         if task.by != SIMULATION:
             # From the trials of a search that was killed; at two spacings if it extrapolates.
             scene = Planned(task.scene, task.contents).build()
-            search_to_file(scene, task.by, task.file, lambda trial: print(*trial, file=log, flush=True), task.extrapolates)
+            spacings = own_spacings if task.extrapolates else None
+            search_to_file(scene, task.by, task.file, lambda trial: print(*trial, file=log, flush=True), spacings)
             return
         keep_log(task)
         try:

@@ -17,7 +17,7 @@ import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import PACKAGE, solver_digest
-from sph.stability.extrapolation import At, Extrapolated, extrapolated, unasked_spacings
+from sph.stability.extrapolation import At, Extrapolated, extrapolated
 from sph.stability.safety import DEFAULT_RULE, critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import static_scene
@@ -69,37 +69,38 @@ def run_search(
     by: str,
     report: Callable[[At, Trial], None] = lambda at, trial: None,
     known: Mapping[At, Mapping[float, Trial]] | None = None,
-    extrapolates: bool = False,
+    spacings: Callable[[Scene], tuple[float, float]] | None = None,
 ) -> Group:
     """Search the limit of a scene by one of ``SEARCHES``; a limit that does not exist is NaN, with the reason in the attributes.
 
-    The search is at the scene's own spacing or, if it ``extrapolates``, at that and twice as coarse a one (``unasked_spacings``).
+    The search is at the scene's own spacing, or at the coarse and the fine one (m) that ``spacings`` gives, and extrapolates.
     """
     limit: Search | Extrapolated
     find = SEARCHES[by].find
     try:
-        if extrapolates:
+        if spacings:
             static_scene(scene, DEFAULT_RULE)  # refuses a spacing too coarse for any test, though those of the search are finer
-            spacings = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
             limit = extrapolated(
-                find, scene, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings, known=known
+                find, scene, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings(scene), known=known
             )
         else:
             at = (scene.numerics.spacing, 1.0)
             limit = find(scene, report=lambda trial: report(at, trial), known=(known or {}).get(at))
     except ValueError as error:
-        return search_group(scene, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
-    return search_group(scene, by, limit).assign_attrs(extrapolates=int(extrapolates))
+        return search_group(scene, by, NOTHING, str(error)).assign_attrs(extrapolates=int(bool(spacings)))
+    return search_group(scene, by, limit).assign_attrs(extrapolates=int(bool(spacings)))
 
 
-def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Trial], None], extrapolates: bool = False) -> None:
+def search_to_file(
+    scene: Scene, by: str, path: Path | str, report: Callable[[Trial], None], spacings: Callable[[Scene], tuple[float, float]] | None = None
+) -> None:
     """Search and write the trials; a search that was killed does not repeat those it had made.
 
     They are in a checkpoint as that of a run, written after each and told by a digest (see ``sph.solver.checkpoint``).
     """
     path = Path(path)
     solver = solver_digest()
-    digest = hashlib.sha256(f"{search_digest()} {by} {extrapolates} {scene.model_dump_json()}".encode()).hexdigest()[:16]
+    digest = hashlib.sha256(f"{search_digest()} {by} {bool(spacings)} {scene.model_dump_json()}".encode()).hexdigest()[:16]
     kept, made = beside(path, "checkpoint"), Made()
 
     def keep(at: At, trial: Trial) -> None:
@@ -113,7 +114,7 @@ def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Tr
         known: dict[At, dict[float, Trial]] = {}
         for at, trial in read_trials(kept, digest):
             known.setdefault(at, {})[trial.value] = trial
-        group = run_search(scene, by, keep, known, extrapolates)
+        group = run_search(scene, by, keep, known, spacings)
         trajectory.write(path, group.assign_attrs(solver_digest=solver))
         kept.unlink(missing_ok=True)
         tidy(kept)

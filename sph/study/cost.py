@@ -20,11 +20,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from sph.checks.layers import own_spacings
 from sph.checks.step_limits import step_limits
 from sph.scene.schema import Scene
 from sph.solver.particles import place_particles
 from sph.solver.simulation import POWER_ITERATIONS
-from sph.stability.extrapolation import at_spacing, unasked_spacings
+from sph.stability.extrapolation import at_spacing
 from sph.stability.record import SEARCHES
 from sph.stability.standing import FailureRule, leaves_solid_state, static_scene
 from sph.study.runs import SIMULATION, Kind, PlannedRun
@@ -128,7 +129,7 @@ _searches: dict[str, tuple[Cost, Cost]] = {}
 def _search_costs(scene: Scene) -> tuple[Cost, Cost]:
     rule, own = FailureRule(), scene.numerics.spacing
     try:
-        coarse, fine = unasked_spacings(scene, own, rule)
+        coarse, fine = own_spacings(scene)
         tests = {spacing: cost(static_scene(at_spacing(scene, spacing), rule, acceleration=1.0)) for spacing in {own, coarse, fine}}
     except ValueError:
         return cost(scene), cost(scene)

@@ -8,7 +8,6 @@ fraction of that and leave a larger error.
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,7 +20,7 @@ import pandas as pd
 from sph.checks import equilibrium
 from sph.checks.cover_rows import covers
 from sph.checks.finding import Finding, finding
-from sph.checks.layers import broken_at, layers_of
+from sph.checks.layers import layers_of, unbroken
 from sph.checks.messages import OR, Severity, line, record
 from sph.checks.motion import other_direction
 from sph.checks.scene import findings
@@ -106,15 +105,10 @@ def quick_spacings(scene: Scene) -> tuple[float, float]:
 def search_spacings(scene: Scene) -> tuple[float, float]:
     """Those of a study's searches: the coarsest, no coarser than these, that break no layer which is whole in the scene and give weak soil
     on stronger ground ``COVER_ROWS`` rows.  ValueError where a search then takes more than ``DEARER`` times as long as with these."""
-    height, quick = slope_height(scene), quick_spacings(scene)
-    thin = min((cover.thickness for cover in covers(scene) if not cover.seamed), default=math.inf)
-
-    def resolved(spacing: float) -> float:
-        rows = round(height / dividing(min(spacing, thin / COVER_ROWS), height))
-        return next(finer for finer in (height / each for each in itertools.count(rows)) if not broken_at(scene, [finer]))
-
-    coarse = resolved(quick[0])
-    spacings = coarse, resolved(min(quick[1], coarse / UNASKED_RATIO))
+    quick = quick_spacings(scene)
+    most = min((cover.thickness for cover in covers(scene) if not cover.seamed), default=math.inf) / COVER_ROWS
+    coarse = unbroken(scene, min(quick[0], most))
+    spacings = coarse, unbroken(scene, min(quick[1], coarse / UNASKED_RATIO))
     if spacings != quick and (times := _seconds(scene, QUICK_TRIALS, spacings) / _seconds(scene, QUICK_TRIALS, quick)) > DEARER:
         raise ValueError(
             f"numerics.spacing: with {quick[0]:.3g} and {quick[1]:.3g} m a layer would be broken, or weak soil have fewer than "
@@ -258,9 +252,6 @@ def study_limits(
             continue
         limits = list[Finding]()
         if searches and spent <= LONGEST:
-            for broken in broken_at(scene, unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)):  # of the search for the block
-                say(f"{names[0]}: {line(broken)}")
-                by_finding.setdefault(broken, []).extend(names)
             try:
                 spacings = search_spacings(scene)
                 limits = [of_limit(code, scene, QUICK_TOLERANCE, spacings) for code in searches]

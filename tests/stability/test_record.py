@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from sph.checks.layers import own_spacings
 from sph.checks.messages import search_words
 from sph.scene.schema import Scene, make_scene
 from sph.scene.units import in_both
-from sph.stability.extrapolation import extrapolated, unasked_spacings
+from sph.stability.extrapolation import extrapolated
 from sph.stability.record import run_search, search_to_file
-from sph.stability.safety import DEFAULT_RULE, yield_acceleration
+from sph.stability.safety import yield_acceleration
 from sph.stability.search import Trial
 from sph.stability.standing import FailureRule
 from sph.storage import trajectory
@@ -44,7 +45,7 @@ def tests(monkeypatch: pytest.MonkeyPatch) -> list[Trial]:
 
 
 def test_the_file_of_an_extrapolated_search_has_value_error_and_every_trial(tmp_path: Path, tests: list[Trial]) -> None:
-    search_to_file(scene(0.5), "yield_acceleration", tmp_path / "a.nc", lambda trial: None, extrapolates=True)
+    search_to_file(scene(0.5), "yield_acceleration", tmp_path / "a.nc", lambda trial: None, spacings=own_spacings)
     found = trajectory.read(tmp_path / "a.nc")
     same = extrapolated(yield_acceleration, scene(0.5))
     assert found.attrs["value"] == same.value == pytest.approx(LIMIT, abs=0.03)
@@ -68,7 +69,7 @@ def test_a_search_at_one_spacing_has_that_value_and_no_error() -> None:
 def test_a_search_at_two_spacings_that_was_killed_repeats_no_trial(stop_after: int, tmp_path: Path, tests: list[Trial]) -> None:
     """A value may be tried at more than one spacing and strength: each is another test."""
     path, told = tmp_path / "a.nc", list[Trial]()
-    whole = run_search(scene(0.5), "yield_acceleration", extrapolates=True).dataset()
+    whole = run_search(scene(0.5), "yield_acceleration", spacings=own_spacings).dataset()
     assert whole.sizes["trial"] == 27
     tests.clear()
 
@@ -78,8 +79,8 @@ def test_a_search_at_two_spacings_that_was_killed_repeats_no_trial(stop_after: i
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        search_to_file(scene(0.5), "yield_acceleration", path, stop, extrapolates=True)
-    search_to_file(scene(0.5), "yield_acceleration", path, told.append, extrapolates=True)
+        search_to_file(scene(0.5), "yield_acceleration", path, stop, spacings=own_spacings)
+    search_to_file(scene(0.5), "yield_acceleration", path, told.append, spacings=own_spacings)
     assert len(tests) == whole.sizes["trial"] + 1, "the last one was made, but not kept"
     assert trajectory.read(path).dataset().drop_vars("wall_time").equals(whole.drop_vars("wall_time"))
 
@@ -87,7 +88,7 @@ def test_a_search_at_two_spacings_that_was_killed_repeats_no_trial(stop_after: i
 def test_spacings_of_a_study() -> None:
     """The runs' own and twice that; finer ones where the rule allows no coarser one; none for runs too coarse for any test."""
     for own, spacings in ((0.5, (1.0, 0.5)), (1.0, (2.0, 1.0)), (2.0, (2.0, 20.0 / 15))):
-        assert unasked_spacings(scene(own), own, DEFAULT_RULE) == pytest.approx(spacings)
-    refused = run_search(scene(2.5), "yield_acceleration", extrapolates=True)
+        assert own_spacings(scene(own)) == pytest.approx(spacings)
+    refused = run_search(scene(2.5), "yield_acceleration", spacings=own_spacings)
     assert math.isnan(refused.attrs["value"]) and "too coarse to see a slope" in refused.attrs["reason"]
     assert search_words(refused.attrs)[0].startswith("not found: numerics.spacing")
