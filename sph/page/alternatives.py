@@ -141,10 +141,14 @@ class Doubt(NamedTuple):
 def doubts(table: pd.DataFrame, rows: Sequence[Row]) -> list[Doubt]:
     """The errors and warnings that the scenes of alternatives have and the scene as it is has not, each once."""
     found: dict[tuple[str, str], Doubt] = {}
+    known = set[tuple[str, str]]()  # of the scene as it is, perhaps with other numbers
     for row in rows:
+        kind = row.finding.code, row.finding.subject
         if row.finding.counts and (name := of_alternative(table, row)):
-            found.setdefault((row.finding.code, row.finding.subject), Doubt(row.finding, [])).names.append(name)
-    return list(found.values())
+            found.setdefault(kind, Doubt(row.finding, [])).names.append(name)
+        elif row.finding.counts:
+            known.add(kind)
+    return [doubt for kind, doubt in found.items() if kind not in known]
 
 
 def of_alternative(table: pd.DataFrame, row: Row) -> str:
