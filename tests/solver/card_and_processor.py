@@ -39,16 +39,16 @@ CASES: dict[str, dict[str, Any]] = {
         "coupling.softening": {"slip_at_peak": 1e-4, "slip_at_residual": 0.01, "width": 15.0, "shape": "exponential"},
         "numerics.gradient_correction": {"min_determinant": 0.3},
     },
-    "free slip": {
+    "periodic": {
+        "geometry": {"shape": "block", "width": 60.0, "height": 30.0},
         "walls.base": "free_slip",
-        "walls.sides": "free_slip",
-        "walls.friction": {"base": 0.3, "sides": 0.1},
+        "walls.sides": "periodic",
+        "walls.friction": {"base": 0.3},
         "coupling.fluid.law": "capped_viscosity",
         "numerics.kernel": "wendland_c2",
         "numerics.artificial_stress": {},
         "water": {"pressure": "by_place", "level": 10.0},
     },
-    "periodic": {"walls.sides": "periodic", "walls.base": "no_slip", "geometry": {"shape": "block", "width": 60.0, "height": 30.0}},
     "driven": {
         "walls.base": "none",
         "walls.sides": "none",
