@@ -85,6 +85,17 @@ class _Units(string.Formatter):
         return super().format_field(value, format_spec)
 
 
+MORE_ROWS = "more rows of particles in {subject}"
+SURER = {
+    "record-polarity": "each record in both directions",
+    "mobilised-strength": "K0 of {subject} from tests",
+    "thin-layer": MORE_ROWS,
+    "weak-on-strong": MORE_ROWS,
+    "cover-late": MORE_ROWS,
+}
+"""What would make an answer surer, by the code of a warning that it has."""
+
+
 # ---------------------------------------------------------------- texts that numbers choose
 
 
@@ -788,6 +799,11 @@ def sentence(of: Finding, keys: bool = True) -> str:
     what, measured, wanted, key = words(of)
     should = wanted.removeprefix("to ") if wanted.startswith("to ") else f"be {wanted}"
     return f"{what}: {measured}" + (f", should {should}" if wanted else "") + (f"; change {key}" if key and keys else "")
+
+
+def surer(of: Finding) -> str:
+    """What would make an answer surer that this limits, in words; empty where it is not known."""
+    return SURER.get(of.code, "").format(subject=of.subject)
 
 
 def line(of: Finding) -> str:

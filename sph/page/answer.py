@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks.after_run import BRAKED, LATE, at_least, held, is_bounded, is_open
-from sph.checks.messages import Severity, block_words, braked_words, factor_words, sentence, yield_words
+from sph.checks.messages import Severity, block_words, braked_words, factor_words, sentence, surer, yield_words
 from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT
@@ -72,6 +72,7 @@ class Answer(NamedTuple):
     tables: list[Table]
     alarms: list[str]  # what the spacing decides
     warnings: list[str]  # what limits trust in the results, errors of the scenes first
+    surer: str  # what would make the results surer
     expected: str  # the error to expect of the numerics
     why_unknown: str  # why it is not known, and what to do
 
@@ -119,6 +120,11 @@ def answer(
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     doubted = contradicted(as_it_is(strongest(table)), rows)
+    expected, why_unknown = (
+        expected_words(scene)
+        if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
+        else ("differs, see all runs", "")
+    )
     beside = "" if doubted else verdict(strongest(table), doubts(table, rows))
     return Answer(
         [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
@@ -128,9 +134,9 @@ def answer(
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
-        *expected_words(scene)
-        if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
-        else ("differs, see all runs", ""),
+        surer_with(table, rows, bool(found(SPACINGS)) or not why_unknown),
+        expected,
+        why_unknown,
     )
 
 
@@ -185,6 +191,15 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     return f"{'. '.join([*said, '; '.join(words)])}."
+
+
+def surer_with(table: pd.DataFrame, rows: Sequence[Row], checked: bool) -> str:
+    """What would make the results surer, the most effective three: longer runs, a second spacing where the error of the spacing is not
+    ``checked``, and what the warnings ask for, by their rank; nothing where none asks for anything."""
+    moving = ((table["at_rest"] == 0) & (table["diverged"] == 0)).any()
+    said = ["longer runs"] * bool(moving) + ["runs at a second spacing"] * (not checked)
+    warnings = sorted((row.finding for row in rows if row.finding.counts), key=lambda each: each.rank)
+    return ", ".join(list(dict.fromkeys(filter(None, (*said, *map(surer, warnings)))))[:3])
 
 
 def contradicted(runs: pd.DataFrame, rows: Sequence[Row]) -> list[Row]:

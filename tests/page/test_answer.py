@@ -12,7 +12,7 @@ import pytest
 from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import held_back, lead
+from sph.page.answer import held_back, lead, surer_with
 from sph.page.facts import at_residual, unshaken, yearly
 from sph.page.levels import levels, widths
 from sph.page.places import at_places
@@ -261,3 +261,18 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     stands = Row(finding("stands-unshaken", spacing=1.0), 6, "a")
     assert said(soft, [stands]).startswith("The slope stands at peak strength, but soil yields and softens before the shaking, so the")
     assert said(soft, [stands, Row(broken, 2, "a")]).startswith("The slope does not stand without shaking in 2 of 6 runs. At")
+
+
+def test_what_would_make_the_results_surer_is_said_in_a_line() -> None:
+    """Longer runs where debris moves, a second spacing where none was run, then what the worst warnings ask for; at most three."""
+    thin = Row(finding("thin-layer", "numerics.spacing", subject="berm", value=1.0, bound=4.0), 2, "a")
+    wrong_way = Row(
+        finding("record-polarity", "motion.factor", value=0.01, bound=0.03, as_recorded=0.01, reversed=0.03, strength=1.0), 2, "a"
+    )
+    few = Row(finding("few-particles", "numerics.spacing", value=4.0, bound=20.0, height=10.0), 2, "a")
+    assert surer_with(RUNS, [few], checked=True) == ""
+    assert surer_with(RUNS, [few, wrong_way, thin], checked=True) == "more rows of particles in berm, each record in both directions"
+    assert surer_with(RUNS.assign(at_rest=0), [thin, thin], checked=False) == (
+        "longer runs, runs at a second spacing, more rows of particles in berm"
+    )
+    assert surer_with(RUNS.assign(at_rest=0, diverged=1), [], checked=False) == "runs at a second spacing"
