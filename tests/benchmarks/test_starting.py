@@ -41,7 +41,7 @@ work(Task(sys.argv[3], sys.argv[2], None, *planned(json.loads(sys.argv[1])), "en
 @pytest.mark.parametrize("state", ["compiled", "nothing compiled"])
 def test_job(benchmark: Any, tmp_path: Path, state: str) -> None:
     """Imports, building, compiling or loading, findings and writing, in processor time; bytecode is kept, as an installation does."""
-    if benchmark.disabled and state == "compiled":
+    if benchmark.disabled:
         pytest.skip("measured by pytest-benchmark alone")
     out = tmp_path / "run.nc"
     command = [sys.executable, "-c", JOB, json.dumps(SCENE), str(tmp_path / "log"), str(out)]
@@ -56,7 +56,7 @@ def test_job(benchmark: Any, tmp_path: Path, state: str) -> None:
 
     benchmark.pedantic(job, setup=cache, rounds=5 if state == "compiled" else 2, warmup_rounds=1)
     with netCDF4.Dataset(out) as run:
-        assert run.wall_time_s < 5.0 and len(run.dimensions["particle"]) < 100
+        assert len(run.dimensions["particle"]) < 100
     benchmark.extra_info |= {"what": f"a job of a study, solver {state}, its run next to nothing (processor time)"}
 
 

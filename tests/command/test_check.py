@@ -389,7 +389,7 @@ def test_a_slope_that_does_not_stand_is_told_before_any_search() -> None:
 def test_the_stability_of_a_slope_is_that_of_limit_analysis() -> None:
     told = {
         each.code: each
-        for each in stability(scene(**STEEP, **{"soil.cohesion": 25.0, "soil.friction_angle": 20.0, "numerics.spacing": 0.5}))
+        for each in stability(scene(**STEEP, **{"soil.cohesion": 25.0, "soil.friction_angle": 20.0, "numerics.spacing": 0.75}))
     }
     quick = ["limit-equilibrium", "limit-equilibrium-differs"]  # of soil that does not dilate
     named = [
