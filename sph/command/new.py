@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 
 import sph
 from sph.checks.cover_rows import covers, enough_rows
-from sph.checks.layers import MIN_IN_LAYER, of_cover
+from sph.checks.layers import MIN_IN_LAYER, broken, of_cover
 from sph.checks.messages import sentence
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, room_ahead, to_side
 from sph.command.options import parse_acceleration, parse_numbers, parse_treatment, parse_values
@@ -34,6 +34,7 @@ from sph.scene.places import Point
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.scene.units import GRAVITY
+from sph.solver.particles import place_particles
 from sph.storage.files import whole
 from sph.study.cost import ON_REFERENCE, cost
 from sph.study.dimensions import ALTERNATIVE, BASE, Value, scene_keys
@@ -56,8 +57,8 @@ PART, PARTS = 3, 4
 """Share of these for a first look, and to compare with; whole rows at both make the height of the slope and the depth below its toe."""
 MAX_COMPARED, MAX_RUN = 3600.0, 86400.0
 """Computing time (s) of a run up to which thin soil has the rows that it needs at the coarser spacing as well, and at most."""
-BERM_ROWS = 3
-"""Rows of particles in a berm, whose ends are thinner: with fewer it breaks into single particles there (``layer-broken``)."""
+COARSE = "coarse"
+"""The fidelity of a first look."""
 SOIL = ("density", "shear_wave_speed", "poisson_ratio", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
 """Keys of a soil in the order in which they are written."""
 FROM_TESTS = ("density", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
@@ -463,27 +464,25 @@ def _written(known: Known, folder: Path) -> Written:
         write(section, rows)
         weakest = load_scene(scene, {} if known.has_residual else {"coupling": {"S_R": float(RATIOS[0])}})
         section = _section(known, folder, room_ahead(weakest))
-    needed = [
-        _Thin(f"{option}{high:g}", math.ceil(section.height * count / high * (1.0 - 1e-9)), remedy)
-        for option, high, count, remedy in (
-            (
-                "--cover ",
-                known.cover,
-                enough_rows() or ROWS,
-                "a run on a seam along its base shows whether it stands (docs/model/interfaces.md)",
-            ),
-            ("--alternative berm=", known.alternatives.get("berm"), BERM_ROWS, "give a higher one"),
-        )
-        if high
-    ]
-    if needed:
-        write(section, rows)
-        rows = _enough(needed, cost(load_scene(scene)).seconds)
-    assumed = write(section, rows)
-    plan = load_study(study, check=False)
-    first = next(iter(plan.study.runs.values()))
-    for name in (BASE, *plan.study.alternatives):
-        plan.built(**(first | {ALTERNATIVE: name} if plan.study.alternatives else first))
+    write(section, rows)
+    seconds = cost(load_scene(scene)).seconds  # of a run with ``ROWS``
+    if known.cover is not None:
+        needed = math.ceil(section.height * (enough_rows() or ROWS) / known.cover * (1.0 - 1e-9))
+        rows = _enough(f"--cover {known.cover:g}", needed, seconds)
+    while True:
+        assumed = write(section, rows)
+        plan = load_study(study, check=False)
+        first = next(iter(plan.study.runs.values()))
+        for name in (BASE, *plan.study.alternatives):
+            plan.built(**(first | {ALTERNATIVE: name} if plan.study.alternatives else first))
+        if "berm" not in known.alternatives:
+            break
+        filled = plan.at(COARSE).built(**(first | {ALTERNATIVE: "berm"}))
+        if not broken(filled, place_particles(filled)):
+            break
+        rows = rows._replace(own=rows.own + PARTS)
+        if (longest := seconds * (rows.own / ROWS) ** 3) > MAX_RUN:
+            raise ValueError(_too_thin(f"--alternative berm={known.alternatives['berm']:g}", longest, "give a higher one"))
     return Written(scene, study, assumed)
 
 
@@ -535,7 +534,7 @@ def _grid(known: Known, peak: float) -> Iterator[str]:
         yield f'amplitude: [{values}] # m/s2: half of the record\'s peak, the peak, and 1.5 times that; add your design peak, e.g. "0.4g"'
     if len(known.records) > 1:
         yield f"motion.file: [{', '.join(quoted(str(record)) for record in known.records)}] # as seen from here"
-    yield '# motion.factor: ["1", "-1"] # each record in both directions, which doubles the runs; sph check says where it matters'
+    yield 'motion.factor: ["1", "-1"] # each record as recorded and reversed, since either may bring the slope down; one halves the runs'
     if not known.has_residual:
         yield f"S_R: [{', '.join(map(quoted, RATIOS))}] # ASSUMED; for one layer write layers.NAME.S_R, or give residual strengths instead"
 
@@ -560,7 +559,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         layers = COVER_TEXT.format(cover=known.cover, soil=rock)
         assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too (rock.csv)")
     assumed.append(
-        "each record is the outcrop motion of bedrock like the lowest soil (walls.bedrock), in the direction as recorded (motion.factor)"
+        "each record is the outcrop motion of bedrock like the lowest soil (walls.bedrock); it is run in both directions (motion.factor)"
     )
     if known.peak is None:
         times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
@@ -644,35 +643,32 @@ def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str
         yield from (each if name in known.alternatives else f"# {each}" for each in block)
 
 
-class _Thin(NamedTuple):
-    """A soil that decides the rows of particles."""
+def _enough(option: str, needed: int, seconds: float) -> Rows:
+    """Rows over the height of the slope where thin soil has those that are ``needed``, of a run that takes ``seconds`` with ``ROWS``: at
+    the coarser spacing as well, unless a run then takes longer than ``MAX_COMPARED``.
 
-    option: str  # with which it was typed
-    rows: int  # over the height of the slope, that give it enough
-    remedy: str  # beside leaving it out
-
-
-def _enough(needed: Sequence[_Thin], seconds: float) -> Rows:
-    """Rows that thin soils need, of a run that takes ``seconds`` with ``ROWS``: at the coarser spacing as well, unless a run then takes
-    longer than ``MAX_COMPARED``.
-
-    ValueError for one with which a run takes longer than ``MAX_RUN``.
+    ValueError, which begins with the ``option``, where a run takes longer than ``MAX_RUN``.
     """
-    thinnest = max(needed, key=lambda each: each.rows)
 
     def longest(rows: int) -> float:
         return seconds * (rows / ROWS) ** 3
 
-    own = max(ROWS, PARTS * math.ceil(thinnest.rows / PART))
+    own = max(ROWS, PARTS * math.ceil(needed / PART))
     if longest(own) > MAX_COMPARED:
-        own = max(ROWS, PARTS * math.ceil(thinnest.rows / PARTS))
+        own = max(ROWS, PARTS * math.ceil(needed / PARTS))
     if longest(own) > MAX_RUN:
         raise ValueError(
-            f"{thinnest.option}: the rows of particles that so thin a soil needs make a run of {duration(longest(own))} {ON_REFERENCE}, at "
-            f"most {duration(MAX_RUN)}; leave it out, or {thinnest.remedy}"
+            _too_thin(option, longest(own), "a run on a seam along its base shows whether it stands (docs/model/interfaces.md)")
         )
     found = Rows(own)
-    return found._replace(compared=found.coarse >= thinnest.rows)
+    return found._replace(compared=found.coarse >= needed)
+
+
+def _too_thin(option: str, longest: float, remedy: str) -> str:
+    return (
+        f"{option}: the rows of particles that so thin a soil needs make a run of {duration(longest)} {ON_REFERENCE}, at most "
+        f"{duration(MAX_RUN)}; leave it out, or {remedy}"
+    )
 
 
 def _bedrock(soil: Mapping[str, float]) -> dict[str, float]:

@@ -76,7 +76,7 @@ def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) ->
     names = [dimension.name for dimension in dimensions]
     values = {dimension: list(dict.fromkeys(table[dimension.name])) for dimension in dimensions}
     varied = [dimension for dimension in dimensions if len(values[dimension]) > 1] or list(dimensions[:1])
-    along = min(varied, key=lambda dimension: (dimension.words, dimension.name != "amplitude"))
+    along = min(varied, key=lambda dimension: (dimension.named, dimension.name != "amplitude"))
     rest = [dimension for dimension in varied if dimension != along]
     other = max(
         (dimension for dimension in rest if len(values[dimension]) <= most), key=lambda dimension: len(values[dimension]), default=None
@@ -117,7 +117,7 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
             if arrangement.other is None
             else [(runs[runs[arrangement.other.name] == value], look) for value, look in zip(values, looks, strict=True)]
         )
-        for rows, look in curves if arrangement.grid and (arrangement.other or not panel.along.words) else ():
+        for rows, look in curves if arrangement.grid and (arrangement.other or not panel.along.named) else ():
             ax.plot(rows["x"], rows["y"], linewidth=1.0, zorder=1, **look)
         _draw_runs(ax, runs)
         largest = float(table[metric].max())
@@ -197,7 +197,7 @@ def _places(ax: Axes, axis: str, dimension: Dimension, table: pd.DataFrame, cell
     labels = [plain(dimension.shown(word)).replace(" (", "\n(") for word in words]
     if dimension.names:
         labels = [textwrap.fill(label, LONG_NAME) for label in labels]
-    if cells or dimension.words:
+    if cells or dimension.named:
         longest = max(len(line) for label in labels for line in label.split("\n"))
         getattr(ax, f"set_{axis}ticks")(range(len(words)), labels, rotation=20 if axis == "x" and longest > 8 else 0)
         getattr(ax, f"set_{axis}lim")(-0.5, len(words) - 0.5)

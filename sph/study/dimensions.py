@@ -56,6 +56,8 @@ AS_IT_IS = "as it is"
 """That value as it is read."""
 RECORD = "motion.file"
 """Dimension of the record, whose values have names."""
+DIRECTION, DIRECTIONS = "motion.factor", (("1", "as recorded"), ("-1", "reversed"))
+"""Dimension of a record's factor, and what its values are called where it is run in both directions."""
 CASE = "case"
 """Dimension of a study that is a list of runs, and the column of their names."""
 NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
@@ -104,8 +106,15 @@ class Dimension(NamedTuple):
         return dict(self.names).get(value) or beside_g(value, self.unit)
 
     @property
+    def named(self) -> bool:
+        """Whether values stand beside each other, each by its name."""
+        return self.words or bool(self.names)
+
+    @property
     def symbol(self) -> str:
         """Name for figures and pages."""
+        if self.names == DIRECTIONS:
+            return "direction"
         if self.plainly:
             return functools.reduce(lambda words, each: words.replace(*each), PLAIN.items(), readable(self.name))
         return readable(self.name)
@@ -137,6 +146,8 @@ class Dimension(NamedTuple):
     def equation(self, value: float | str) -> str:
         """The same as an equation, a number in its shortest form: ``S_R = 0.1``."""
         number = value if isinstance(value, str) else f"{value:g}"
+        if number in dict(self.names):
+            return self.said(number)
         return f"{self.symbol} = {number} {self.shown_unit}".rstrip()
 
     def variable(self, listed: bool) -> Variable:
@@ -328,11 +339,12 @@ def dimension(name: str, labels: Iterable[str], scene: Scene) -> Dimension:
     if name == ALTERNATIVE:
         return Dimension(name, "-", "variant of the scene, by its name in the study", True, ((BASE, AS_IT_IS),))
     at: Any = scene
-    unit, text = "-", ""
+    unit, text, labels = "-", "", list(labels)
     for part in scene_key(name).split("."):
         field = type(at).model_fields.get(part) if isinstance(at, Section) else None
         if field is not None:
             extra: Any = field.json_schema_extra or {}
             unit, text = extra.get("unit", "-"), field.description or ""
         at = at.get(part) if isinstance(at, Mapping) else getattr(at, part, None)
-    return Dimension(name, unit, text, not all(map(is_number, labels)))
+    both = name == DIRECTION and {*labels} == {*dict(DIRECTIONS)}
+    return Dimension(name, unit, text, not all(map(is_number, labels)), DIRECTIONS if both else ())

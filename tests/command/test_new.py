@@ -17,7 +17,7 @@ import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER, findings
 from sph.command.cli import app
-from sph.command.new import AFTER, BERM_ROWS, SPRING, Known, Written, write_new
+from sph.command.new import AFTER, SPRING, Known, Written, write_new
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.study.cost import cost
@@ -44,7 +44,7 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert scene.motion.start + 16.0 < scene.duration  # type: ignore[union-attr]
     assert "not replaced" in scene.title and (tmp_path / "own" / "scene.yaml").read_text().count("ASSUMED") >= 9
     plan = load_study(yaml.safe_load((tmp_path / "own" / "study.yaml").read_text()), [tmp_path])
-    assert len(plan.study.runs) == 9 and plan.study.names == ["S_R", "amplitude"]
+    assert len(plan.study.runs) == 18 and plan.study.names == ["S_R", "amplitude", "motion.factor"]
     coarse = CliRunner().invoke(app, ["check", "own/scene.yaml", "--set", "numerics.spacing=1.64667"])
     assert "spacing: 1.64667" in (tmp_path / "own" / "study.yaml").read_text()
     assert coarse.output.count("\nwarning:") == 1, "of the soil alone"
@@ -196,7 +196,7 @@ def test_names_come_back_as_they_were(tmp_path: Path, monkeypatch: pytest.Monkey
     keys, planned = (yaml.safe_load(path.read_text(encoding="utf-8")) for path in (scene, study))
     assert (folder / keys["geometry"]["file"]).samefile(survey) and (folder / keys["motion"]["file"]).samefile(motion)
     assert Path(planned["scene"]) == scene and name[:100] in keys["title"] and PLACEHOLDER in load_scene(scene).title
-    assert len(load_study(planned, [tmp_path]).study.runs) == 9
+    assert len(load_study(planned, [tmp_path]).study.runs) == 18
     command = next(line for line in scene.read_text(encoding="utf-8").splitlines() if "sph check" in line)
     assert shlex.split(command.partition("look at it:")[2])[:3] == ["sph", "check", str(study)]
 
@@ -272,7 +272,12 @@ def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     (cover,) = covers(scene)
     assert cover.thickness == pytest.approx(4.0) and not cover.short and scene.early_stop is not None
     assert scene.duration > scene.motion.end + 20.0  # type: ignore[union-attr]
-    assert plan.study.values == {"amplitude": ("3.4335",), "motion.file": ("A.csv", "B.csv"), "alternative": ("base", "drained", "berm")}
+    assert plan.study.values == {
+        "amplitude": ("3.4335",),
+        "motion.file": ("A.csv", "B.csv"),
+        "motion.factor": ("-1", "1"),
+        "alternative": ("base", "drained", "berm"),
+    }
     assert plan.study.metrics.places == {"path": 8.0, "house": 40.0} and plan.study.second_fidelity == "coarse"
     lines = [line for line in told.stdout.splitlines() if line.startswith("assumed: ")]
     text = Path("own/scene.yaml").read_text()
@@ -287,17 +292,15 @@ def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
 
 
 @pytest.mark.usefixtures("records")
-def test_a_berm_has_the_rows_that_it_needs_at_the_coarser_spacing_as_well() -> None:
-    """Before, one of 4 m on a slope of 26 m was broken into single particles there, which stopped the study."""
-    known = ["--slope", "26,27", "--cover", "7", "--record", "A.csv", "--scale-to", "0.4g", "--alternative", "berm=4", "--out", "own"]
-    assert CliRunner().invoke(app, ["new", *known]).exit_code == 0
-    path = Path("own/study.yaml")
-    coarse = path.read_text().replace("fidelity: own", "fidelity: coarse").replace("_fidelity: coarse", "_fidelity: null")
-    path.write_text(coarse)
-    plan = load_study(path)
+@pytest.mark.parametrize(("slope", "cover", "high"), [("26,27", 7.0, 4.0), ("22,30", 5.0, 5.0)])
+def test_a_berm_is_whole_at_the_coarser_spacing_as_well(slope: str, cover: float, high: float) -> None:
+    """Before, these were broken into single particles there, which stopped the study."""
+    known = ["--slope", slope, "--cover", str(cover), "--record", "A.csv", "--scale-to", "0.4g", "--alternative", f"berm={high}"]
+    assert CliRunner().invoke(app, ["new", *known, "--out", "own"]).exit_code == 0
+    plan = load_study(Path("own/study.yaml")).at("coarse")
     with_berm = plan.built(**next(run for run in plan.study.runs.values() if run["alternative"] == "berm"))
     found = {each.code: each.severity for each in findings(with_berm)}
-    assert 4.0 / with_berm.numerics.spacing >= BERM_ROWS and found["thin-layer"] == "warning" and "error" not in found.values()
+    assert found["thin-layer"] == "warning" and "error" not in found.values()
 
 
 @pytest.mark.usefixtures("records")
@@ -310,7 +313,7 @@ def test_alternatives_that_nobody_named_are_ready_to_be_added() -> None:
     begin = text.index("# alternatives:")
     study.write_text(text[:begin] + text[begin:].replace("# ", "", 1).replace("\n# ", "\n"))
     plan = load_study(study)
-    assert set(plan.study.alternatives) == {"drained", "berm"} and len(plan.study.runs) == 6
+    assert set(plan.study.alternatives) == {"drained", "berm"} and len(plan.study.runs) == 12
 
 
 @pytest.mark.usefixtures("records")
