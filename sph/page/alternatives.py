@@ -14,7 +14,7 @@ from sph.checks.finding import Finding
 from sph.checks.messages import listed
 from sph.figures.style import AT_LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
-from sph.measures.places import REACHED, column_of, places_in
+from sph.measures.places import PASSED, REACHED, column_of, places_in
 from sph.page.tables import Table
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE, Dimension, title_of
@@ -190,8 +190,9 @@ def _which(outcomes: Mapping[str, bool | None], verb: str, what: str) -> list[st
 
 def saved(base: Mapping[Any, Any], own: Mapping[Any, Any], length: str = "displacement_magnitude") -> str:
     """How much less an alternative moves or runs out than the scene as it is, in m and percent; where one of them is a lower bound, what
-    is known."""
-    less = float(base[length] - own[length])
+    is known.  Run-outs are compared where the study has a place, since that of a berm begins at its foot."""
+    columns = [column_of(place, PASSED) for place in places_in(base)] if length == "runout" else []
+    less = next((by for column in columns if not math.isnan(by := float(base[column] - own[column]))), float(base[length] - own[length]))
     share = 100.0 * less / float(base[length]) if base[length] > 0.0 else 0.0
     words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + MORE * (less < 0.0)
     bounds = is_at_least(base), is_at_least(own)

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks.after_run import BRAKED, LATE, at_least, held, is_bounded, is_open
-from sph.checks.messages import Severity, block_words, braked_words, factor_words, sentence, surer, yield_words
+from sph.checks.messages import Severity, block_words, braked_words, factor_words, listed, sentence, surer, yield_words
 from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
-from sph.measures.metrics import CLASSES, ENERGY_LIMIT
+from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, ENERGY_LIMIT
+from sph.measures.places import GROUND, REACHED, column_of, places_in
 from sph.measures.sides import BACK
 from sph.page.alternatives import compared, doubts, of_alternative, slices_of, verdict
 from sph.page.facts import (
@@ -116,7 +117,7 @@ def answer(
         ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         *when(strongest(own), probe),
-        *answer_spacing(found(SPACINGS)),
+        *answer_spacing(found(SPACINGS), why),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     doubted = contradicted(as_it_is(strongest(table)), rows)
@@ -187,10 +188,22 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         moving = known[known["at_rest"] == 0]
         if (farthest := known["runout"].max()) > 0.0:
             words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe{_beside_others(known)}")
+        words += _of_places(known)
         if len(moving):
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     return f"{'. '.join([*said, '; '.join(words)])}."
+
+
+def _of_places(known: pd.DataFrame) -> list[str]:
+    """The places that debris reaches in some of these runs, and those whose ground moves with the slope."""
+    places = places_in(known.columns)
+    reached = [name for name in places if (known[column_of(name, REACHED)] > 0.0).any()]
+    moves = {name: float(known[column_of(name, GROUND)].max()) for name in places}
+    moved = [f"that of {name} by {metres(by)} m" for name, by in moves.items() if by >= min(AREA_THRESHOLDS.values())]
+    said = [f"it reaches {listed(reached)}"] if reached else []
+    said += [f"the ground moves, {listed(moved)}"] if moved else []
+    return [words.replace("_", " ") for words in said]
 
 
 def surer_with(table: pd.DataFrame, rows: Sequence[Row], checked: bool) -> str:
@@ -253,9 +266,11 @@ def _table_raised(table: Table) -> Table:
 
 
 def held_back(table: pd.DataFrame, rows: Sequence[Row]) -> str:
-    """How many rows of particles the weak soil has that stronger ground brakes, in words; nothing where it does so in no run."""
+    """How many rows of particles the weak soil has that stronger ground brakes, in words, of the scene as it is rather than of
+    alternatives; nothing where it does so in no run."""
     if not held(table).any():
         return ""
+    rows = [row for row in rows if row.worst_run in as_it_is(table).index] or rows
     return (
         " and ".join(braked_words(row.finding) for row in rows if row.finding.code in (*BRAKED, LATE))
         or "few rows of particles in weak soil"

@@ -66,7 +66,7 @@ def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     if not found and not by_particles:
         return []
     factors = sorted(of["spencer"] for of in found)
-    by_slices = factor_words(found[0]) if len(found) == 1 else f"Spencer {factors[0]:.2f} to {factors[-1]:.2f}" if found else ""
+    by_slices = factor_words(found[0]) if len(found) == 1 else f"Spencer {_span(factors[0], factors[-1], '{:.2f}'.format)}" if found else ""
     keeps = "once soil is shaken beyond its peak strength it keeps flowing, whatever the factor at peak strength (progressive failure)"
     meant = keeps if falls else ""
     return [("Factor of safety at residual strength", "; ".join(filter(None, (by_slices, by_particles))), meant)]
@@ -195,14 +195,16 @@ def _verdicts(file: str) -> dict[int, str]:
     return dict(zip(first["claim"].tolist(), first["verdict"].tolist(), strict=True))
 
 
-def answer_spacing(files: Sequence[str]) -> list[tuple[str, str, str]]:
-    """In how many runs a second spacing changes nothing that counts."""
+def answer_spacing(files: Sequence[str], why: str = "") -> list[tuple[str, str, str]]:
+    """In how many runs a second spacing changes nothing that counts, which shows little where both have few rows of particles: ``why``."""
     facts = []
     for file in files:
         rows = read_spacing(file)
         runs = [set(of["verdict"]) == {CONVERGED} for _, of in rows.groupby("run")]
         at = " and ".join(f"{rows[name].iloc[0]:.3g} m" for name in ("spacing", "second_spacing"))
-        facts.append(("Spacing", f"{CONVERGED} in {sum(runs)} of {len(runs)} runs", f"all runs with particles of {at}"))
+        few = f"; it does not show what more rows would change: {why}" * bool(why)
+        words = f"{CONVERGED}, or by less than counts as motion, in {sum(runs)} of {len(runs)} runs"
+        facts.append(("Spacing", words, f"all runs with particles of {at}{few}"))
     return facts
 
 

@@ -91,7 +91,8 @@ def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:
     passed = column_of(place, PASSED)
     farthest = short.sort_values(passed, na_position="first").to_dict("records")[-1]
     gap = -float(farthest[passed])
-    away = f"{metres(gap)} m short" if gap > 0.0 else ""
+    debris = farthest["collapse_class"] in CLASSES[2:] or farthest["runout"] > 0.0
+    away = f"{metres(gap)} m short" if gap > 0.0 and debris else ""
     if braked.any() or len(moving):
         reason = " and ".join([*["held back"] * bool(braked.any()), *["still moving"] * bool(len(moving))])
         count = f" in {int(braked.sum()) + len(moving)} of {len(short)} runs" if len(short) > 1 else ""

@@ -276,3 +276,9 @@ def test_what_would_make_the_results_surer_is_said_in_a_line() -> None:
         "longer runs, runs at a second spacing, more rows of particles in berm"
     )
     assert surer_with(RUNS.assign(at_rest=0, diverged=1), [], checked=False) == "runs at a second spacing"
+
+
+def test_the_sentence_names_the_places_that_are_reached_and_those_that_go_along() -> None:
+    said = lead(RUNS.assign(road_ground_displacement=13.7), [])
+    assert "; it reaches road; the ground moves, that of road by 13.7 m" in said and "house" not in said
+    assert "reaches" not in lead(RUNS.assign(road_reached=0.0), [])

@@ -132,7 +132,7 @@ def table_of(**columns: list[Any]) -> pd.DataFrame:
             "runout": [0.0, 12.0, 0.0, 3.0, 0.0, 0.0],
             "expected_runout_error": math.nan,
             "yield_acceleration": [1.0, 1.0, 2.0, 2.0, 3.0, 3.0],
-            "house_passed": [-12.0, 1.0, 2.0, -9.0, -12.0, -12.0],  # past it with one run, as a film too thin to be debris
+            "house_passed": [-11.0, 1.0, 2.0, -8.0, -11.0, -11.0],  # past it with one run, as a film too thin to be debris
             "house_reached": [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
             "house_depth": 0.0,
             "house_peak_depth": [0.0, 1.5, 0.0, 0.1, 0.0, 0.0],
@@ -165,6 +165,8 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
         ("0.100", "0", "9.90 m (99 %)", "12.0 m (100 %)"),
     ]
     assert "amplitude 4.0 m/s²" in found.note
+    (berm,) = compared(table_of(runout=[0.0, 12.0, 0.0, 3.0, 0.0, 0.0], house_passed=[-11.0, 1.0, 2.0, -8.0, -4.0, 0.0]), DIMENSIONS, "A")
+    assert berm.rows[2][-1] == "1.00 m (8 %)", "its foot lies 11 m beyond the toe, and debris would have reached that place"
     on_paper = turned(found)
     assert on_paper.head == ("alternative", "as it is", "drained", "buttress")
     assert on_paper.rows[-2] == ("saves of the displacement", "–", "6.00 m (60 %)", "9.90 m (99 %)")
