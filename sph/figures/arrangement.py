@@ -173,9 +173,7 @@ def draw_failed(ax: Axes, run: Run) -> list[Artist]:
         for there, colour in ((stays & dark, "white"), (stays & ~dark, "black")):
             if there.any():
                 _draw_particles(ax, run, there, DOT, {"facecolor": colour, "linewidth": 0.0})
-        entries.append(
-            Line2D([], [], color="black", linestyle=":", linewidth=2.0, label="SPH (dots): has reached its strength, but moved less")
-        )
+        entries.append(Line2D([], [], color="black", linestyle=":", linewidth=2.0, label="SPH (dots): reached its strength, moved less"))
     return entries
 
 

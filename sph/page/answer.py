@@ -200,9 +200,9 @@ def _of_places(known: pd.DataFrame) -> list[str]:
     places = places_in(known.columns)
     reached = [name for name in places if (known[column_of(name, REACHED)] > 0.0).any()]
     moves = {name: float(known[column_of(name, GROUND)].max()) for name in places}
-    moved = [f"that of {name} by {metres(by)} m" for name, by in moves.items() if by >= min(AREA_THRESHOLDS.values())]
+    moved = [f"{metres(by)} m at {name}" for name, by in moves.items() if by >= min(AREA_THRESHOLDS.values())]
     said = [f"it reaches {listed(reached)}"] if reached else []
-    said += [f"the ground moves, {listed(moved)}"] if moved else []
+    said += [f"the ground moves {listed(moved)}"] if moved else []
     return [words.replace("_", " ") for words in said]
 
 

@@ -280,5 +280,5 @@ def test_what_would_make_the_results_surer_is_said_in_a_line() -> None:
 
 def test_the_sentence_names_the_places_that_are_reached_and_those_that_go_along() -> None:
     said = lead(RUNS.assign(road_ground_displacement=13.7), [])
-    assert "; it reaches road; the ground moves, that of road by 13.7 m" in said and "house" not in said
+    assert "; it reaches road; the ground moves 13.7 m at road" in said and "house" not in said
     assert "reaches" not in lead(RUNS.assign(road_reached=0.0), [])
