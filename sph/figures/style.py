@@ -26,8 +26,8 @@ WIDTH = 180 / 25.4
 DPI = 200
 """Dots per inch of PNG figures."""
 
-NOTHING, AT_LEAST = "–", "≥ "
-"""Stands for what is not known; before a lower bound."""
+NOTHING, AT_LEAST, OPEN = "–", "≥ ", " ?"
+"""Stands for what is not known; before a lower bound; behind one of nothing."""
 LEAST = 0.01
 """Least length that is told, m: no spacing resolves less."""
 GREY = "0.45"
@@ -167,10 +167,10 @@ def save(figure: Figure, *paths: Path | str) -> None:
 
 
 def metres(value: float, bounded: bool = False) -> str:
-    """A length in m, to three digits or a millimetre, below ``LEAST`` as that, or that it is at least so much where it is ``bounded``;
+    """A length in m, to three digits or a millimetre, below ``LEAST`` as that, or that it may be more where it is ``bounded``;
     that of a block which never stops has no end."""
     if bounded and not math.isnan(value):
-        return AT_LEAST + (metres(value) if abs(value) >= LEAST else "0")
+        return AT_LEAST + metres(value) if abs(value) >= LEAST else metres(value) + OPEN
     if value == math.inf:
         return "unlimited"
     if math.isnan(value):

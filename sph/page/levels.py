@@ -13,7 +13,7 @@ from sph.measures.metrics import CLASSES
 from sph.measures.places import places_in
 from sph.page.tables import MAX_VALUES, Table
 from sph.scene.units import beside_g
-from sph.study.dimensions import AMPLITUDE, Dimension
+from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, Dimension
 
 FEWEST = 4
 """Fewest runs an amplitude whose widths are worth a row."""
@@ -53,7 +53,8 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
         spans = [_lengths(runs[name], bounds) for name, bounds in columns]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
-    notes = ["Smallest to largest value over the other dimensions of the study."] if len(table) > len(groups) else []
+    of = " for the scene as it is" * (ALTERNATIVE in table)
+    notes = [f"Smallest to largest value over the other dimensions of the study{of}."] if len(table) > len(groups) else []
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")
     if any(map(in_motion, table.to_dict("records"))):

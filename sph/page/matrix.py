@@ -23,8 +23,6 @@ MAX_BESIDE = 4
 """Most columns beside a wide picture."""
 LEGIBLE = 0.4
 """Luminance from which on text on a colour is dark."""
-OPEN = " ?"
-"""Behind a displacement of nothing that is a lower bound."""
 DIVERGED, UNSHAKEN, TO_COME = "diverged", "fails unshaken", "still to come"
 """Classes of cells besides those of the metric."""
 
@@ -107,9 +105,8 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
         kind = UNSHAKEN
     bounded, moved = is_at_least(row), row["displacement_magnitude"]
     said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {metres(row['runout'], bounded)} m"  # a block has none
-    words = f"{metres(moved)}{OPEN}" if bounded and moved < LEAST else metres(moved, bounded)
     goes = metres(row["runout"], bounded) if row["runout"] > 0.0 and places_in(map(str, row)) else ""
-    return Cell(name, words, kind, said, name in shown, goes)
+    return Cell(name, metres(moved, bounded), kind, said, name in shown, goes)
 
 
 def _colours() -> dict[str, tuple[str, str]]:

@@ -509,7 +509,7 @@ def test_a_length_below_a_centimetre_is_told_as_that() -> None:
     """8 mm is neither nothing nor a centimetre, and at least 8 mm is at least nothing; a block that never stops has no end."""
     shown = [metres(value) for value in (0.0, 0.0084, 0.033, 0.211, 24.0, np.inf, np.nan)]
     assert shown == ["0", "< 0.01", "0.033", "0.211", "24.0", "unlimited", "–"]
-    assert [metres(value, True) for value in (0.0084, 0.033, np.nan)] == ["≥ 0", "≥ 0.033", "–"]
+    assert [metres(value, True) for value in (0.0084, 0.033, np.nan)] == ["< 0.01 ?", "≥ 0.033", "–"]
 
 
 def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: StudyFiles) -> None:
