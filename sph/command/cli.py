@@ -115,7 +115,8 @@ def new(
         str | None, typer.Option(metavar="HEIGHT,ANGLE", help="a plain slope instead of a survey, m and degree; x is 0 at its toe")
     ] = None,
     cover: Annotated[
-        float | None, typer.Option(metavar="THICKNESS", help="of a weak cover on stronger ground, m: adds a layer, and chooses the spacing")
+        float | None,
+        typer.Option(metavar="THICKNESS", help="of a weak cover on stronger ground, vertically, m: adds a layer, and chooses the spacing"),
     ] = None,
     soil: Annotated[
         list[str] | None,
