@@ -263,7 +263,7 @@ def test_a_diverged_run_says_so_in_its_figures() -> None:
     assert end in profiles and profiles.count("diverged") == 1
 
 
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("turned", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_surveyed_slope_keeps_its_coordinates(turned: bool) -> None:
     line = [[120, 440], [175, 440], [190, 465], [224, 465]]
     ground = {"shape": "ground_line", "points": [[300 - x, y] for x, y in line] if turned else line, "base": 430}
@@ -426,7 +426,17 @@ def drawn(scene: Scene) -> Drawn:
     return Drawn(scene, particles, locate_probes(scene, particles))
 
 
-@pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
+SECTIONS = pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(LAYERED, id="left"),
+        pytest.param(turned_round(LAYERED), id="right", marks=pytest.mark.long),
+        pytest.param({}, id="paper", marks=pytest.mark.long),
+    ],
+)
+
+
+@SECTIONS
 def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
     figures = {
@@ -454,7 +464,7 @@ def test_names_have_room_in_a_flat_section() -> None:
 PLACES = {"road": "12 beyond the toe", "house_of_the_guard": "20 m beyond the toe"}
 
 
-@pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
+@SECTIONS
 def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
     toe, base = run.scene.geometry.toe

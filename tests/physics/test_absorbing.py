@@ -206,6 +206,7 @@ def test_resonance_of_a_layer_on_rock_of_any_impedance(rows: int, contrast: floa
     assert abs(second_frequency) < 0.04 and abs(second) < (0.04 if rows == 20 else 0.15)
 
 
+@pytest.mark.long
 def test_resonance_of_layers_at_random() -> None:
     random = np.random.default_rng(3)
     for _ in range(3):

@@ -99,6 +99,7 @@ SLOPE: dict[str, Any] = BLOCK | {
 }
 
 
+@pytest.mark.long
 def test_far_behind_a_slope_the_elastic_ratio_gives_the_stress_that_gravity_brings_on() -> None:
     """Two starts that differ on level ground by 0.15 % at most: within 1 % ten heights behind the crest.
 

@@ -96,7 +96,7 @@ LAYER = {"layers": {"same": {"region": {"kind": "elevation", "bottom": 0.0}, "sl
     ("shape", "changes", "residual"),
     [
         ("linear", {}, RESIDUAL),
-        pytest.param("exponential", LAYER, 0.5 * RESIDUAL, id="layer"),
+        pytest.param("exponential", LAYER, 0.5 * RESIDUAL, id="layer", marks=pytest.mark.long),
         pytest.param("exponential", {}, RESIDUAL, marks=pytest.mark.long),
     ],
 )
@@ -157,7 +157,8 @@ def test_an_element_fails_at_the_slip_of_the_peak(slip: float) -> None:
 
 
 @pytest.mark.uncompiled
-@pytest.mark.parametrize("reference", ["initial", pytest.param("current", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("reference", ["initial", "current"])
 def test_rotation_neither_softens_nor_strengthens_an_element(reference: str) -> None:
     # One rate of shear in two planes, without spin, with that of simple shear, and turned by 69 degrees either way on the way.  What the
     # strength is depends on the slip alone: within the 1 % of the curve, of which the spin of the elastic strain, 5e-4 rad, is a part.

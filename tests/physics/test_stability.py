@@ -285,6 +285,7 @@ def test_the_sensitivity_of_a_yield_acceleration() -> None:
     assert found.error > FailureRule().displacement * 0.85 * exact > 2.0 * FailureRule().displacement * found.value
 
 
+@pytest.mark.long
 def test_factor_of_safety_of_a_vertical_cut() -> None:
     """gamma H / c between 3.77 and 3.83 (limit analysis, phi = 0).
 

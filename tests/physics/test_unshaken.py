@@ -25,6 +25,7 @@ def paper(overrides: dict[str, Any]) -> Scene:
     return load_scene(PAPER, merge(DRAFT, dotted(overrides)))
 
 
+@pytest.mark.long
 def test_weaker_soil_that_yields_under_gravity_does_not_move_less() -> None:
     # At S_R 0.5 the debris stays clear of the front wall (34 m and more at S_R 0.1, whatever the cohesion), so that the order shows.
     runs = [run(paper({**SLIPPING, "coupling.S_R": 0.5, "soil.cohesion": cohesion})) for cohesion in (150.0, 40.0, 0.0)]

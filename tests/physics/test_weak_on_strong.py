@@ -307,7 +307,8 @@ def test_the_slip_of_a_thin_layer_counts_late(rows: int, short: float) -> None:
     assert 0.0 < lag < short
 
 
-@ROWS
+@pytest.mark.long
+@pytest.mark.parametrize("rows", [2, 4])
 def test_a_block_on_a_weak_layer_is_newmark_s_under_a_sine(rows: int) -> None:
     """The range of its slip, to and fro, within 5 % of that of the rigid block of the same strength."""
     lasts = {"ramp": 0.5, "decay_start": SHAKEN_FROM + 3.0, "end": SHAKEN_FROM + 4.0}
@@ -378,7 +379,8 @@ def gives_way(rows: int, interfaces: str = "weaker") -> float:
     return found
 
 
-@pytest.mark.parametrize("interfaces", ["weaker", pytest.param("both", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("interfaces", ["weaker", "both"])
 def test_a_cover_of_two_rows_fails_at_a_tenth_more_than_one_of_twelve(interfaces: str) -> None:
     """Keeps a measured value from drifting: the bands were set after the results.
 

@@ -66,7 +66,8 @@ def test_failed_soil_slides_with_the_friction_of_effective_stress(kind: str) -> 
 
 
 @pytest.mark.uncompiled
-@pytest.mark.parametrize("pressure", ["by_place", pytest.param("carried", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("pressure", ["by_place", "carried"])
 def test_geostatic_effective_stress_stays(pressure: str) -> None:
     # Level ground is in equilibrium under it with either kind of pressure, while waves pass it five times.  Rows alternate by some per
     # cent (V1).

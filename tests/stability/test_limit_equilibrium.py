@@ -301,6 +301,7 @@ def clay(**changes: Any) -> Scene:
     return make_scene(merge(data, dotted(changes)))
 
 
+@pytest.mark.long
 def test_a_slope_that_does_not_stand_is_told_the_strength_with_which_it_does() -> None:
     """By closed forms: without friction F is in proportion to c; an infinite slope of sand stands with an angle of its inclination."""
     weak = clay(**{"soil.cohesion": 10.0})

@@ -389,6 +389,7 @@ def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeyp
     assert len(tested) == 2 + found.numbers["static_tests"]
 
 
+@pytest.mark.long
 def test_soil_that_softens_under_gravity_is_told_the_strength_with_which_it_does_not() -> None:
     """Typed as it is said it does away with the error, and brings no other; strength below that by the width of the bracket does not."""
 

@@ -36,6 +36,7 @@ def near(found: np.ndarray, target: float, bias: float) -> bool:
     return abs(float(found.mean()) - target) <= ERRORS * float(found.std(ddof=1)) / np.sqrt(found.size) + bias
 
 
+@pytest.mark.long
 def test_the_target_statistics_are_met(motions: np.ndarray) -> None:
     # Biases allowed: 2 % of the intensity, which the high-pass filter takes and the end cuts off; of the times one interval and 2 %,
     # since the filter of a motion of some 40 cycles spreads it by a part of a period.
