@@ -339,7 +339,15 @@ def test_values_of_debris_that_met_the_box_was_braked_or_still_moves_are_marked_
 
 
 @pytest.mark.parametrize("draw", [figure_study, figure_map])
-@pytest.mark.parametrize("dimensions", [(AMPLITUDE,), (KERNEL,), (COHESION, AMPLITUDE), (COHESION, AMPLITUDE, KERNEL)])
+@pytest.mark.parametrize(
+    "dimensions",
+    [
+        (AMPLITUDE,),
+        pytest.param((KERNEL,), marks=pytest.mark.long),
+        pytest.param((COHESION, AMPLITUDE), marks=pytest.mark.long),
+        (COHESION, AMPLITUDE, KERNEL),
+    ],
+)
 def test_figures_of_all_runs_take_any_dimensions(tmp_path: Path, draw: Any, dimensions: tuple[Dimension, ...]) -> None:
     table = grid_of(*dimensions)
     for rows in (table, table.iloc[[0, 1, -1]].reset_index(drop=True), table.iloc[:1]):  # a grid, a list of cases, one run

@@ -71,6 +71,7 @@ def energy_left(ds: xr.Dataset) -> float:
 # ---------------------------------------------------------------- waves in a column
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("component", ["x", "y"])
 def test_a_wave_leaves_through_the_base(component: str) -> None:
     # Half of it goes down, the other half after it from the surface; after 150 m of travel nothing should be left.  The kernel blurs the
@@ -83,6 +84,7 @@ def test_a_wave_leaves_through_the_base(component: str) -> None:
     assert energy_gap(Made(ds)) < 0.03, "velocities are half a step behind"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 1.5])
 def test_bedrock_gives_back_its_share(ratio: float) -> None:
     # (1 - alpha) / (1 + alpha), alpha the impedance of the soil over that of the bedrock, once for each half after 122 m; the
@@ -134,6 +136,7 @@ def difference(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.sqrt(np.mean((one - other) ** 2) / np.mean(other**2)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ratio", [0.0, 0.05])
 def test_amplification_of_a_layer_on_rock(ratio: float) -> None:
     # The rock begins below the two boundary layers, at a depth of 44 m, known to half a spacing at best: the tolerance is what a
@@ -197,6 +200,7 @@ def resonances(rows: int, contrast: float, ratio: float) -> list[tuple[float, fl
     return [(one[0] / other[0] - 1.0, one[1] / other[1] - 1.0) for one, other in zip(*both, strict=True)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("rows", "contrast"), [(20, 2.5), (20, 20.0), (20, 1000.0), (10, 1000.0)])
 def test_resonance_of_a_layer_on_rock_of_any_impedance(rows: int, contrast: float) -> None:
     """First mode within 1.5 % in frequency and amplification; second, whose waves are a third as long, within 4 % at 20 rows."""
@@ -246,7 +250,8 @@ def surface_of_column(walls: dict[str, Any]) -> np.ndarray:
 def test_level_ground_moves_as_if_it_went_on(base: str, free_column: np.ndarray) -> None:
     # 1.1 to 1.5 % of the column's motion, on rigid bases 1.3 to 1.7 % (between fixed side walls 105 to 130 %); across the shaking 0.5 %.
     walls = {} if base == "absorbing" else {"walls.base": base, "walls.bedrock": None}
-    free_column = surface_of_column(walls) if walls else free_column
+    # The column between periodic sides has the terms of V1's, the initial arrangement among them: it hardly moves out of that.
+    free_column = surface_of_column(walls | {"numerics.reference": "initial"}) if walls else free_column
     ds = run(scene(SIDES | walls)).trajectory
     errors = [difference(v, free_column) for v in ds["probe_velocity_x"].values.T]
     across = np.sqrt(np.mean(ds["probe_velocity_y"].values ** 2, axis=0) / np.mean(free_column**2))
@@ -286,7 +291,6 @@ def p_pulse(width: float, overrides: dict[str, Any], springs: bool = True) -> xr
     return (started if springs else without_springs(started)).go().trajectory
 
 
-@pytest.mark.long
 def test_a_wave_leaves_through_the_sides() -> None:
     # A P pulse goes to both sides, reaches them after 30 m and is out after 60 m, but for what the free surface makes of its sigma_xx.
     # Between fixed walls all of it stays.
@@ -324,8 +328,7 @@ def slope(overrides: dict[str, Any]) -> Scene:
     return make_scene(merge(SLOPE, dotted(ABSORBING | overrides)))
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("base", ["absorbing", "no_slip"])
+@pytest.mark.parametrize("base", ["absorbing", pytest.param("no_slip", marks=pytest.mark.long)])
 def test_a_slope_at_rest_stays_at_rest(base: str) -> None:
     # Gravity has moved the soil by 7.7 mm.  Then every boundary particle is held by its static reaction: 0.01 mm in two seconds, by what
     # the soil was not yet at rest; the soil moves by 0.09 mm.
@@ -354,7 +357,8 @@ def test_sides_settle_with_the_soil_and_do_not_fail_it() -> None:
 @pytest.mark.long
 def test_a_slope_fails_between_absorbing_sides_as_in_a_long_box() -> None:
     # The paper's slope at 2 m, its strength lost by slip.  A moves 27.6 m between absorbing sides 110 m before the toe and 68 m behind the
-    # crest, on a contact base as well; between free-slip sides there 15.1 m, three times as far away 23.3 m, nine times 26.9 m.
+    # crest, on a contact base as well; between free-slip sides there 15.1 m, three times as far away 23.3 m, nine times 26.9 m.  So far
+    # away it does not matter what the sides are: they are absorbing here.
     paper = make_scene(read_yaml(PAPER)).model_dump(mode="json", include={"geometry", "soil", "motion", "damping", "duration"})
     near = {"apron_length": 110.0, "crest_length": 68.0}
     scene = {
@@ -369,7 +373,7 @@ def test_a_slope_fails_between_absorbing_sides_as_in_a_long_box() -> None:
         assert energy_gap(Made(ds)) < 0.01
         return float(np.hypot(*(ds[f"probe_displacement_{c}"].values[-1, 0] for c in "xy")))
 
-    far = {"geometry": {name: 9.0 * length for name, length in near.items()}, "walls": {"sides": "free_slip"}}
+    far = {"geometry": {name: 9.0 * length for name, length in near.items()}}
     absorbed, on_contact, boxed = move({}), move({"walls": {"base": "contact"}}), move(far)
     print(absorbed, on_contact, boxed)
     assert absorbed == pytest.approx(boxed, rel=0.1)
@@ -434,7 +438,8 @@ def outward(ds: xr.Dataset, made: Scene) -> np.ndarray:
     return np.stack([-moved[:, left].mean(1), moved[:, right].mean(1)], axis=1)
 
 
-@pytest.mark.parametrize("spacing", [4.0, pytest.param(3.0, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("spacing", [4.0, 3.0])
 def test_sides_hold_ground_that_yields(spacing: float) -> None:
     # Its horizontal stress rises to the vertical one at most, against sides as stiff as elastic ground beside them, rho V_p omega_1 with
     # omega_1 = pi V_s / 2 D.  Dashpots alone let it push them away for good: after 48 to 64 s it had left the box.

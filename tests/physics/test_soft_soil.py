@@ -29,7 +29,7 @@ def column(stiffness: float, spacing: float, changes: dict[str, Any] | None = No
         merge(
             {
                 "name": "column",
-                "duration": 60.0,  # vibrations of the softest column, of 1.6 s, have died out
+                "duration": 60.0 if stiffness < 10.0 else 20.0,  # vibrations, of 1.6 s in the softest column, have died out
                 "geometry": {"shape": "block", "width": 6.0 * spacing, "height": HEIGHT},
                 "walls": {"base": "no_slip", "sides": "periodic"},
                 "soil": {

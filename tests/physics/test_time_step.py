@@ -45,12 +45,14 @@ def test_measured_limit_of_a_lattice_is_the_theoretical_one(free_block: SceneBui
     assert limit == pytest.approx(theory, rel=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("without_steps")
 def test_corrected_gradients_are_stiffer_at_a_free_surface(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})
     assert limit < 0.8 * theory, "the theory of the lattice does not see it"
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("without_steps")
 def test_a_step_above_the_limit_measured_at_the_start_is_refused(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})

@@ -265,6 +265,7 @@ def weakening(rows: int) -> Slide:
 
 
 ROWS = pytest.mark.parametrize("rows", [2, pytest.param(4, marks=pytest.mark.long)])
+LONG_ROWS = pytest.mark.parametrize("rows", [pytest.param(rows, marks=pytest.mark.long) for rows in (2, 4)])
 
 
 @ROWS
@@ -287,7 +288,7 @@ def test_one_row_between_strong_soils_holds_the_block() -> None:
     assert 0.2 < found.moved[-1] / found.by_equation(1, False, start)[-1] < 0.3
 
 
-@ROWS
+@LONG_ROWS
 def test_a_block_on_a_layer_that_weakens_reaches_the_residual_strength(rows: int) -> None:
     """From where twice the slip to the residual strength is behind it, as above; within 3 %."""
     found = weakening(rows)
@@ -295,7 +296,8 @@ def test_a_block_on_a_layer_that_weakens_reaches_the_residual_strength(rows: int
     assert found.moved[-1] == pytest.approx(found.by_equation(rows, True, start)[-1], rel=0.03)
 
 
-@pytest.mark.parametrize(("rows", "short"), [(2, 0.08), pytest.param(4, 0.06, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize(("rows", "short"), [(2, 0.08), (4, 0.06)])
 def test_the_slip_of_a_thin_layer_counts_late(rows: int, short: float) -> None:
     """While strength is being lost the block lags: at 0.5 m it has gone 4 to 6 % less far than by its equation from 0.1 m on.
 
@@ -307,8 +309,7 @@ def test_the_slip_of_a_thin_layer_counts_late(rows: int, short: float) -> None:
     assert 0.0 < lag < short
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("rows", [2, 4])
+@LONG_ROWS
 def test_a_block_on_a_weak_layer_is_newmark_s_under_a_sine(rows: int) -> None:
     """The range of its slip, to and fro, within 5 % of that of the rigid block of the same strength."""
     lasts = {"ramp": 0.5, "decay_start": SHAKEN_FROM + 3.0, "end": SHAKEN_FROM + 4.0}
@@ -325,7 +326,7 @@ def test_a_block_on_a_weak_layer_is_newmark_s_under_a_sine(rows: int) -> None:
     assert np.ptp(found.moved) == pytest.approx(np.ptp(moved), rel=0.05)
 
 
-@ROWS
+@LONG_ROWS
 def test_nothing_moves_before_the_weak_layer_fails(rows: int) -> None:
     """Shaken by 0.002 g the block stays where it is to 1 mm."""
     lasts = {"ramp": 0.5, "decay_start": SHAKEN_FROM + 2.0, "end": SHAKEN_FROM + 3.0}
