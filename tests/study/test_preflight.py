@@ -583,8 +583,10 @@ def test_the_status_names_the_layers_that_fail_unshaken() -> None:
 
 
 SLIPPING = {
-    "coupling": {"softening": {"slip_at_peak": 1e-3, "width": 3.0}, "solid_after_failure": "elastic_plastic"},
-    "walls": {"base": "no_slip", "sides": "no_slip"},
+    "coupling.softening": {"slip_at_peak": 1e-3, "width": 3.0},
+    "coupling.solid_after_failure": "elastic_plastic",
+    "walls.base": "no_slip",
+    "walls.sides": "no_slip",
     "numerics.reference": "initial",
     "numerics.artificial_viscosity": {"reconstruction": "linear"},
 }
