@@ -158,6 +158,7 @@ print(refused)
 """
 
 
+@pytest.mark.long
 def test_a_garbled_file_is_refused_or_read_as_it_was(tmp_path: Path, run_file: Path) -> None:
     """Fields are compressed, and carry a checksum by that."""
     command = [sys.executable, "-c", GARBLE, str(run_file), str(tmp_path / "garbled.nc"), "3", "40"]

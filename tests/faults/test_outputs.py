@@ -174,6 +174,7 @@ def test_a_terminal_without_greek_letters(tmp_path: Path, environment: dict[str,
     assert rb"B\xf6schung, \u03b3" in shown.stdout and rb"\u03bb (m)" in shown.stdout
 
 
+@pytest.mark.long
 def test_names_that_are_not_utf8(tmp_path: Path, run_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sph.solver.run.Run.go", lambda *_, **__: pytest.fail("a step was made"))

@@ -182,6 +182,7 @@ def newmark(slope: str, spacing: float, cohesion: float) -> tuple[float, dict[fl
     return float(found.moved[-1]), moved
 
 
+@pytest.mark.long
 @DIPS
 def test_newmarks_block(slope: str) -> None:
     """As far as a rigid block whose strength is within 3 % of the seam's; Newmark's displacement magnifies an error of the strength."""
@@ -221,7 +222,7 @@ def damped(slope: str, push: str, damping: dict[str, Any], modulus: float) -> tu
     return found, moved
 
 
-@pytest.mark.parametrize("push", PUSHES)
+@pytest.mark.parametrize("push", ["constant", pytest.param("sine", marks=pytest.mark.long)])
 def test_mass_damping_leaves_a_sliding_block_its_displacement(push: str) -> None:
     """s = a t^2 / 2 for 4 s, and Newmark's block under a sine, within 2 %; damped as soil that holds, it would move 39 % too little."""
     found, moved = damped("aligned", push, DAMPED, 2e6)

@@ -11,8 +11,8 @@ from sph.scene.configuration import dotted
 from sph.scene.schema import load_scene
 
 CASES = load()
-SLOW = ("literal_kernel", "wendland_corrected_no_repulsion", "capped")
-"""Cases with many neighbours, or whose combination of terms is compiled for them alone."""
+DAILY = ("draft_S_R-0.10_gamma-100", "draft_S_R-0.25_gamma-1", "solid_elastic_after_failure")
+"""Quick ones of both solid states and of both rates of loss, with the terms of other tests."""
 
 
 class Bounds(NamedTuple):
@@ -38,7 +38,7 @@ BOUNDS = {"double": Bounds(1e-8, 1e-5, 0.011, 0.0014), "mixed": Bounds(1e-4, 1e-
 @pytest.mark.parametrize(
     ("name", "precision"),
     [
-        *(pytest.param(name, "mixed", marks=pytest.mark.long if name in SLOW else ()) for name in CASES),
+        *(pytest.param(name, "mixed", marks=() if name in DAILY else pytest.mark.long) for name in CASES),
         pytest.param("solid_elastic_after_failure", "double", marks=pytest.mark.long),
     ],
 )

@@ -171,6 +171,7 @@ def test_a_block_on_a_plane_yields_where_its_strength_is_used_up(cohesion: float
     assert found.critical.value == pytest.approx(expected / (math.cos(dip) + math.sin(dip) * friction), rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_slope_of_half_the_size_and_cohesion_has_the_same_answers() -> None:
     """By dimensions: F and k depend on gamma H / c alone, in a slope with a crack too."""
     half = ground(

@@ -586,7 +586,6 @@ SLIPPING = {
     "coupling.softening": {"slip_at_peak": 1e-3, "width": 3.0},
     "coupling.solid_after_failure": "elastic_plastic",
     "walls.base": "no_slip",
-    "walls.sides": "no_slip",
     "numerics.reference": "initial",
     "numerics.artificial_viscosity": {"reconstruction": "linear"},
 }
