@@ -126,7 +126,7 @@ def test_the_kernel_alone_brakes_it() -> None:
     assert found < 0.75 * GRAVITY * (math.sin(math.radians(28.0)) - math.cos(math.radians(28.0)) * math.sin(math.radians(18.0)))
 
 
-def strip(r_u: float = 0.0) -> Scene:
+def strip(r_u: float = 0.0, courant: float = 0.8) -> Scene:
     """A strip of failed soil, 26 m long and three rows thick, on the face of a strong slope at 28 degrees to the rows of the lattice."""
     angle, high, strong = (
         math.radians(28.0),
@@ -155,7 +155,7 @@ def strip(r_u: float = 0.0) -> Scene:
             "motion": {"kind": "none"},
             **NOTHING,
             "water": NOTHING["water"] | {"r_u": r_u},
-            "numerics": {"spacing": 1.0},
+            "numerics": {"spacing": 1.0, "adaptive_step": {"courant": courant}},
             "probes": {"A": [55.0, float(np.interp(55.0, x, face)) + 1.5]},
             "outputs": {"frame_interval": 0.25, "series_interval": 0.05},
         }
@@ -180,8 +180,8 @@ def test_the_steps_of_the_lattice_brake_soil_on_a_face_between_its_rows() -> Non
 
 @pytest.mark.long
 def test_the_budget_of_a_wet_slide_closes() -> None:
-    """Water carried along acts with other weights at the interface than effective stress."""
-    assert energy_error(Run(run(strip(0.3)).trajectory)) < CLOSED
+    """Water carried along acts with other weights at the interface than effective stress: counted with those, it is open by 4e-3."""
+    assert energy_error(Run(run(strip(0.3, 0.4)).trajectory)) < CLOSED
 
 
 PEAK, RESIDUAL = (10.0, 25.0), (0.0, 12.0)
