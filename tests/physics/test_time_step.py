@@ -117,6 +117,7 @@ def test_a_paused_adaptive_run_goes_on_bit_for_bit(tmp_path: Path, small_slope: 
     np.testing.assert_array_equal(resumed.trajectory["time_step"], through.trajectory["time_step"])
 
 
+@pytest.mark.long
 def test_a_fixed_step_above_the_measured_limit_is_seen(small_slope: SceneBuilder) -> None:
     # Undamped, at h = 2.3 spacings, the debris has modes stiffer than the lattice's, which the step stays just below.  Damping and
     # viscosity of nothing, so that the variant is that of tests/regression.
