@@ -65,6 +65,7 @@ def aprons(ratio: float) -> tuple[float, float]:
     return asked, round(0.5 * float(measured(asked, ratio)["runout"]))
 
 
+@pytest.mark.long
 def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound() -> None:
     asked, half = aprons(0.2)
     scene, short = low(**{"coupling.S_R": 0.2, "geometry.apron_length": half}), measured(half, 0.2)
@@ -111,6 +112,7 @@ def test_debris_that_ran_far_and_is_thin_is_told(runout: float, deposit: float, 
     assert all(words(each).what.endswith("is not reliable") for each in found), "a slope without a cover"
 
 
+@pytest.mark.long
 def test_a_run_and_its_metrics_tell_the_same_of_thin_debris() -> None:
     asked, _ = aprons(0.2)
     scene, trajectory = low(**{"coupling.S_R": 0.2, "geometry.apron_length": asked}), ran(asked, 0.2)
@@ -124,7 +126,8 @@ def within(scene: Scene) -> float:
     return reach(scene) - (scene.geometry.crest[0] - scene.geometry.toe[0])
 
 
-@pytest.mark.parametrize("ratio", [0.2, pytest.param(0.4, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("ratio", [0.2, 0.4])
 def test_the_room_that_is_asked_for_is_enough_and_half_of_the_run_out_is_not(ratio: float) -> None:
     asked, half = aprons(ratio)
     free = measured(asked, ratio)

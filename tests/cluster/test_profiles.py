@@ -24,7 +24,7 @@ PROFILES = {
 RECIPE = (ROOT / "Containerfile").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["slurm", "slurm-gpu", pytest.param("generic", marks=pytest.mark.long)])
+@pytest.mark.parametrize("name", ["slurm", *(pytest.param(name, marks=pytest.mark.long) for name in ("slurm-gpu", "generic"))])
 def test_a_profile_plans_the_shipped_study(name: str) -> None:
     if importlib.util.find_spec(PROFILES[name]) is None:
         pytest.skip(f"{PROFILES[name]} is not installed")

@@ -255,6 +255,7 @@ def test_a_study_alone_is_checked_with_its_scene_and_fidelities(tmp_path: Path, 
     assert other.exit_code == REFUSED and other.stderr.endswith("is a study, where a scene is asked for: give its scene, sound.yaml\n")
 
 
+@pytest.mark.long
 def test_alternatives_are_checked_at_the_fidelities_that_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A layer that is thin at the first and broken at the second; what is found at both is told once, of the first."""
     monkeypatch.chdir(tmp_path)

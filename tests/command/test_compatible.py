@@ -104,7 +104,7 @@ CASES: dict[str, tuple[dict[str, Any], float, float | None]] = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [name if name == "clay on sand" else pytest.param(name, marks=pytest.mark.long) for name in CASES])
 def test_the_written_scene_is_shaken_as_the_sublayered_column(case: str, tmp_path: Path) -> None:
     """First mode, peak acceleration of the surface and largest strain of the file that is written, by the library, within 5 %."""
     changes, plasticity, at = CASES[case]

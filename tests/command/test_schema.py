@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,15 @@ ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = sorted((ROOT / "config").rglob("*.yaml"))
 
 
-def fits(name: str, data: Any) -> bool:
+@cache
+def validator(name: str) -> Draft202012Validator:
     schema = json_schema(name)
     Draft202012Validator.check_schema(schema)
-    return bool(Draft202012Validator(schema).is_valid(data))
+    return Draft202012Validator(schema)
+
+
+def fits(name: str, data: Any) -> bool:
+    return bool(validator(name).is_valid(data))
 
 
 @pytest.mark.parametrize("name", MODELS)

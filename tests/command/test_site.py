@@ -90,6 +90,7 @@ def test_the_column_has_the_layers_of_its_place() -> None:
     assert clay.stress == pytest.approx(1.6 * GRAVITY * 4.0 * (1 + 2 * 0.3 / 0.7) / 3, rel=0.01), "mean stress in its middle, kPa"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("base", ["fixed", "absorbing"])
 def test_moduli_are_those_of_the_library_called_by_hand(base: str) -> None:
     made = scene(layers={"clay": {"region": {"bottom": 60.0}}}, walls={"base": base, "layers": 4})

@@ -89,6 +89,7 @@ def test_as_many_metrics_as_factors_are_known_one_by_one_however_exactly() -> No
     np.testing.assert_allclose(found.intervals, np.add.outer([-width, 0.0, width], [0.2, 0.5, 0.8]), atol=6e-4)
 
 
+@pytest.mark.long
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     """The runs scatter, and so does what is observed: by the same scatter and by its error."""
     rng, scatter, error, count = np.random.default_rng(4), 0.5, 1.0, 200

@@ -97,7 +97,8 @@ def test_the_intervals_are_those_of_the_sampling_and_repeat() -> None:
     assert np.log(samples[:, 0]).std() == pytest.approx(BETA / math.sqrt(50), rel=0.45)
 
 
-@pytest.mark.parametrize(("count", "highest"), [(12, 4.0), pytest.param(40, math.inf, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize(("count", "highest"), [(12, 4.0), (40, math.inf)])
 def test_the_intervals_cover_the_truth_at_their_rate(count: int, highest: float) -> None:
     # Of SAMPLES intervals the share that holds the truth is binomial: within three standard errors of the stated one.  Up to 4.0: of 3
     # values in 10 only a lower end is known.

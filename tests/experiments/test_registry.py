@@ -22,6 +22,7 @@ def test_an_experiment_is_what_its_name_says(name: str) -> None:
     assert each.keys is None or validated(each.keys, read_yaml(ROOT / study_plan().study.file_of(name)), name)
 
 
+@pytest.mark.long
 def test_what_a_measuring_job_is_given_has_the_same_digest_each_time() -> None:
     # Snakemake compares it: an address in memory would make every table anew.
     for name in ("assumptions", "robustness", "cost-accuracy"):

@@ -362,12 +362,13 @@ def space_filling(dimensions: int, count: int) -> np.ndarray:
     return qmc.Sobol(dimensions, rng=1).random(count)
 
 
+@pytest.mark.long
 @pytest.mark.crosscheck
 @pytest.mark.parametrize(
     ("function", "exact", "count"),
     [
         pytest.param(ishigami, ISHIGAMI, 256, id="Ishigami"),
-        pytest.param(g_function, g_indices(), 256, id="g-function", marks=pytest.mark.long),
+        pytest.param(g_function, g_indices(), 256, id="g-function"),
     ],
 )
 def test_indices_agree_with_the_exact_ones_within_their_intervals(

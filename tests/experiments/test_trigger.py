@@ -485,6 +485,7 @@ def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
         newmark_factor(make_scene({"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
 
 
+@pytest.mark.long
 def test_each_motion_and_each_slope_has_a_block_of_its_own(tmp_path: Path) -> None:
     study = load_study(read_yaml(ROOT / "config" / "studies" / "gentle_motions.yaml"), [ROOT])
     plan = load_trigger("config/studies/gentle_motions/trigger.yaml", study, [ROOT])

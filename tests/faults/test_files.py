@@ -80,7 +80,8 @@ def fill(folder: Path, leave: int) -> Path:
 # ---------------------------------------------------------------- full and read-only disks
 
 
-@pytest.mark.parametrize("leave", [0, pytest.param(60_000, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("leave", [0, 60_000])
 def test_a_full_disk(scene_file: Path, small_disk: Path, leave: int) -> None:
     out = small_disk / "run.nc"
     (small_disk / "earlier.nc").write_bytes(b"an earlier result")
@@ -157,6 +158,7 @@ print(refused)
 """
 
 
+@pytest.mark.long
 def test_a_garbled_file_is_refused_or_read_as_it_was(tmp_path: Path, run_file: Path) -> None:
     """Fields are compressed, and carry a checksum by that."""
     command = [sys.executable, "-c", GARBLE, str(run_file), str(tmp_path / "garbled.nc"), "3", "40"]

@@ -30,7 +30,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
 plain = settings(max_examples=50, deadline=None, phases=[Phase.reuse, Phase.generate], suppress_health_check=list(HealthCheck))
 
 
-@pytest.mark.parametrize("examples", [40, pytest.param(150, marks=pytest.mark.long)])
+@pytest.mark.parametrize("examples", [15, pytest.param(150, marks=pytest.mark.long)])
 def test_everything_a_user_can_write_is_carried_out_or_refused_by_name(examples: int) -> None:
     """So many examples of every kind, the solver's first steps included."""
     script = Path(__file__).with_name("fuzz.py")

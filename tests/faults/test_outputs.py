@@ -165,7 +165,7 @@ ASCII: Sequence[dict[str, str]] = (
 )
 
 
-@pytest.mark.parametrize("environment", ASCII, ids=["streams", "locale"])
+@pytest.mark.parametrize("environment", [ASCII[0], pytest.param(ASCII[1], marks=pytest.mark.long)], ids=["streams", "locale"])
 def test_a_terminal_without_greek_letters(tmp_path: Path, environment: dict[str, str]) -> None:
     path = tmp_path / "slope.yaml"
     path.write_text(yaml.safe_dump(SLOPE | {"title": "Böschung, γ"}, allow_unicode=True), encoding="utf-8")
@@ -174,6 +174,7 @@ def test_a_terminal_without_greek_letters(tmp_path: Path, environment: dict[str,
     assert rb"B\xf6schung, \u03b3" in shown.stdout and rb"\u03bb (m)" in shown.stdout
 
 
+@pytest.mark.long
 def test_names_that_are_not_utf8(tmp_path: Path, run_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sph.solver.run.Run.go", lambda *_, **__: pytest.fail("a step was made"))
@@ -196,6 +197,7 @@ def test_names_that_are_not_utf8(tmp_path: Path, run_file: Path, monkeypatch: py
     assert drawn.exit_code == 0 and Path(f"{NOT_UTF8}scene.pdf").read_bytes().startswith(b"%PDF"), drawn.output
 
 
+@pytest.mark.long
 def test_a_picture_s_name_is_printed_whatever_it_is(tmp_path: Path, run_file: Path) -> None:
     drawn = sph("plot", run_file, "--out", tmp_path / f"{NOT_UTF8}.png")
     assert drawn.returncode == 0 and rb"\udce9t\udce9.png" in drawn.stdout, drawn.stderr
@@ -212,7 +214,8 @@ def test_a_log_is_utf8_whatever_is_written(tmp_path: Path) -> None:
 # ---------------------------------------------------------------- who reads
 
 
-@pytest.mark.parametrize("unbuffered", ["", pytest.param("1", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_reader_that_has_enough_and_output_that_is_lost(unbuffered: str) -> None:
     """The first ends the command without a word; the second is told."""
     reading, writing = os.pipe()

@@ -62,9 +62,8 @@ def as_nobody() -> tuple[str, ...]:
     return tuple(command)
 
 
-@pytest.mark.parametrize(
-    "home", ["none", *(pytest.param(name, marks=pytest.mark.long) for name in ("absent", "read-only cache", "a file"))]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("home", ["none", "absent", "read-only cache", "a file"])
 def test_only_a_simulation_needs_a_cache(open_folder: Path, tmp_path: Path, home: str) -> None:
     """With a file in the cache's place for any user; else as a user whom nobody knows, for whom the package is read-only, too."""
     scene, record, file = (open_folder / name for name in ("slope.yaml", "record.csv", "file"))

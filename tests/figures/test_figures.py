@@ -263,7 +263,7 @@ def test_a_diverged_run_says_so_in_its_figures() -> None:
     assert end in profiles and profiles.count("diverged") == 1
 
 
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("turned", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_surveyed_slope_keeps_its_coordinates(turned: bool) -> None:
     line = [[120, 440], [175, 440], [190, 465], [224, 465]]
     ground = {"shape": "ground_line", "points": [[300 - x, y] for x, y in line] if turned else line, "base": 430}
@@ -339,7 +339,15 @@ def test_values_of_debris_that_met_the_box_was_braked_or_still_moves_are_marked_
 
 
 @pytest.mark.parametrize("draw", [figure_study, figure_map])
-@pytest.mark.parametrize("dimensions", [(AMPLITUDE,), (KERNEL,), (COHESION, AMPLITUDE), (COHESION, AMPLITUDE, KERNEL)])
+@pytest.mark.parametrize(
+    "dimensions",
+    [
+        (AMPLITUDE,),
+        pytest.param((KERNEL,), marks=pytest.mark.long),
+        pytest.param((COHESION, AMPLITUDE), marks=pytest.mark.long),
+        (COHESION, AMPLITUDE, KERNEL),
+    ],
+)
 def test_figures_of_all_runs_take_any_dimensions(tmp_path: Path, draw: Any, dimensions: tuple[Dimension, ...]) -> None:
     table = grid_of(*dimensions)
     for rows in (table, table.iloc[[0, 1, -1]].reset_index(drop=True), table.iloc[:1]):  # a grid, a list of cases, one run
@@ -426,7 +434,17 @@ def drawn(scene: Scene) -> Drawn:
     return Drawn(scene, particles, locate_probes(scene, particles))
 
 
-@pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
+SECTIONS = pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(LAYERED, id="left"),
+        pytest.param(turned_round(LAYERED), id="right", marks=pytest.mark.long),
+        pytest.param({}, id="paper", marks=pytest.mark.long),
+    ],
+)
+
+
+@SECTIONS
 def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
     figures = {
@@ -454,7 +472,7 @@ def test_names_have_room_in_a_flat_section() -> None:
 PLACES = {"road": "12 beyond the toe", "house_of_the_guard": "20 m beyond the toe"}
 
 
-@pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
+@SECTIONS
 def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
     toe, base = run.scene.geometry.toe

@@ -31,7 +31,7 @@ FINER = [*((slope, 0.5) for slope in SLOPES), ("25 degrees", 0.25)]
 DIPS_AND_SPACINGS = pytest.mark.parametrize(
     ("slope", "spacing"), [*((slope, 1.0) for slope in SLOPES), *(pytest.param(*each, marks=pytest.mark.long) for each in FINER)]
 )
-DIPS = pytest.mark.parametrize("slope", SLOPES)
+DIPS = pytest.mark.parametrize("slope", [name if name == "aligned" else pytest.param(name, marks=pytest.mark.long) for name in SLOPES])
 
 
 def block_scene(
@@ -182,6 +182,7 @@ def newmark(slope: str, spacing: float, cohesion: float) -> tuple[float, dict[fl
     return float(found.moved[-1]), moved
 
 
+@pytest.mark.long
 @DIPS
 def test_newmarks_block(slope: str) -> None:
     """As far as a rigid block whose strength is within 3 % of the seam's; Newmark's displacement magnifies an error of the strength."""
@@ -189,7 +190,8 @@ def test_newmarks_block(slope: str) -> None:
     assert rigid[1.03] < found < rigid[0.97]
 
 
-@pytest.mark.parametrize("spacing", [1.0, pytest.param(2 / 3, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("spacing", [1.0, 2 / 3])
 def test_newmarks_block_with_friction_alone(spacing: float) -> None:
     """Friction follows the sum of the normal forces, cohesion does not: the displacement itself within 3 % at 1 m.
 
@@ -220,7 +222,7 @@ def damped(slope: str, push: str, damping: dict[str, Any], modulus: float) -> tu
     return found, moved
 
 
-@pytest.mark.parametrize("push", PUSHES)
+@pytest.mark.parametrize("push", ["constant", pytest.param("sine", marks=pytest.mark.long)])
 def test_mass_damping_leaves_a_sliding_block_its_displacement(push: str) -> None:
     """s = a t^2 / 2 for 4 s, and Newmark's block under a sine, within 2 %; damped as soil that holds, it would move 39 % too little."""
     found, moved = damped("aligned", push, DAMPED, 2e6)
@@ -262,7 +264,6 @@ SLOPE: dict[str, Any] = {
     "gravity": {"acceleration": GRAVITY},
     "numerics": {"spacing": 1.0},
 }
-FACTORS = pytest.mark.parametrize("spacing", [1.0, pytest.param(2 / 3, marks=pytest.mark.long)])
 
 
 def stands(changes: dict[str, Any], spacing: float, factor: float) -> bool:
@@ -271,7 +272,7 @@ def stands(changes: dict[str, Any], spacing: float, factor: float) -> bool:
     return stand(divided_strength(scene, factor), DEFAULT_RULE, factor).stands
 
 
-@FACTORS
+@pytest.mark.parametrize("spacing", [1.0, pytest.param(2 / 3, marks=pytest.mark.long)])
 def test_strong_soil_on_a_dipping_seam_has_the_factor_of_a_plane_slide(spacing: float) -> None:
     """F = tan(phi) / tan(dip) + c L / (W sin(dip)) of the wedge from the toe to behind the crest, within 3 %."""
     dip, cohesion, angle = math.radians(12.0), 2.0, 12.0
@@ -282,7 +283,8 @@ def test_strong_soil_on_a_dipping_seam_has_the_factor_of_a_plane_slide(spacing: 
     assert stands(changes, spacing, 0.97 * factor) and not stands(changes, spacing, 1.03 * factor)
 
 
-@FACTORS
+@pytest.mark.long
+@pytest.mark.parametrize("spacing", [1.0, 2 / 3])
 def test_a_thin_level_seam_under_a_slope(spacing: float) -> None:
     """A seam of 0.4 m at the height of the toe: Spencer's factor within 3 %, where one as strong as the soil leaves the slope its 1.4."""
     seam = {"points": [[-5.0, 0.0], [60.0, 0.0]], "thickness": 0.4, "cohesion": 0.5, "friction_angle": 5.0}

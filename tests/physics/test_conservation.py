@@ -155,7 +155,7 @@ def collapse(scheme: str) -> dict[str, np.ndarray]:
     return {name: ds[name].values for name in ds.data_vars if ds[name].dims == ("sample",)}
 
 
-LONG = ("double", "corrected", "no_slip")
+LONG = ("double", "elastic_plastic", "corrected", "no_slip", "seam")
 VARIANTS = pytest.mark.parametrize("scheme", [pytest.param(name, marks=pytest.mark.long) if name in LONG else name for name in SCHEMES])
 
 

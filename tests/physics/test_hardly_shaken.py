@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
-from cases.limit_analysis import limit_factor
+from cases.limit_analysis import stability_number
 from sph.measures.metrics import measure
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import make_scene
@@ -27,11 +27,8 @@ def slope(seed: int, factor: float | None = None) -> dict[str, Any]:
     friction, density = float(draw.uniform(0.0, min(35.0, angle - 3.0))), float(draw.uniform(1700.0, 2200.0))
     drawn, weight = float(draw.uniform(1.3, 2.0)), density * GRAVITY
     wanted = drawn if factor is None else factor
-
-    def short(logarithm: float) -> float:
-        return limit_factor(angle, height, weight, 10.0**logarithm, friction, 0.4) - wanted
-
-    cohesion = 10.0 ** float(brentq(short, 1.0, 6.5, xtol=1e-3))
+    divided = math.degrees(math.atan(math.tan(math.radians(friction)) / wanted))
+    cohesion = weight * height * wanted / stability_number(angle, divided, 0.4 / height)
     return {
         "name": f"slope{seed}",
         "duration": 16.0,

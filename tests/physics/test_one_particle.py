@@ -184,7 +184,7 @@ def test_extension_fails_at_the_apex() -> None:
     assert np.all(mean <= apex * (1 + 1e-9))
 
 
-@pytest.mark.parametrize("state", ["elastic", "failed"])
+@pytest.mark.parametrize("state", ["elastic", pytest.param("failed", marks=pytest.mark.long)])
 def test_rigid_rotation_gives_no_stress(state: str) -> None:
     # Ten turns and an eighth, which shows the sense, in steps of 4 mrad.  The midpoint form keeps the norm to rounding and turns the
     # deviator by 2 atan(a) instead of 2 a: a^2 / 3 of the turn, 10 * 4 pi * 5.3e-6 = 7e-4 rad in all.

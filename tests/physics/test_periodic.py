@@ -21,6 +21,8 @@ from sph.solver.simulation import Simulation
 from sph.solver.state import VISCOUS
 from sph.storage import trajectory
 
+pytestmark = pytest.mark.long
+
 G, DENSITY, WIDTH, SPACING = 9.81, 2000.0, 4.0, 0.1
 PLATES: dict[str, Any] = {
     "scheme": "paper",
@@ -69,7 +71,6 @@ def soil(ds: xr.Dataset, name: str) -> np.ndarray:
 # ---------------------------------------------------------------- a strip that feels no wall
 
 
-@pytest.mark.long
 def test_uniform_motion_goes_on_forever() -> None:
     # Galileo: no relative motion, no strain, no force; 1.2 m/s for 4 s carries every particle around the box once, through all cells
     # and lists.  Nothing is computed but x += v dt: the same velocities and energy to the last bit, no stress but rounding.

@@ -118,7 +118,15 @@ def test_an_initial_velocity_does_not_move_confined_soil_before_the_start() -> N
 
 
 @pytest.mark.parametrize("damping", [0.0, 20.0])
-@pytest.mark.parametrize("gradient", [{"xx": 0.5}, {"xy": 0.7}, {"xx": -0.3, "xy": 0.2, "yy": 0.4}], ids=str)
+@pytest.mark.parametrize(
+    "gradient",
+    [
+        pytest.param({"xx": 0.5}, marks=pytest.mark.long),
+        pytest.param({"xy": 0.7}, marks=pytest.mark.long),
+        {"xx": -0.3, "xy": 0.2, "yy": 0.4},
+    ],
+    ids=str,
+)
 def test_the_work_is_found_again(gradient: dict[str, float], damping: float) -> None:
     # Kinetic + elastic + dissipated = work, but for the last half step's work (velocities lag); mass damping, with 20 1/s for the
     # whole run, takes energy that the motion has to supply, exactly.

@@ -109,6 +109,7 @@ def test_particles_have_the_strength_of_their_place_in_both_states(small_slope: 
         np.testing.assert_allclose(peak_strength(changed, particles)[0], factor * cohesion, rtol=1e-12)
 
 
+@pytest.mark.long
 def test_a_field_without_variance_changes_nothing_but_the_rounding(small_slope: Any) -> None:
     """A field is compiled with a table of one row a particle, so its sums may be rounded otherwise, as the processor has it; the
     difference grows as debris is stirred."""
@@ -121,6 +122,7 @@ def test_a_field_without_variance_changes_nothing_but_the_rounding(small_slope: 
         np.testing.assert_allclose(flat[name].values[:8], plain[name].values[:8], rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.long
 def test_a_run_that_goes_on_keeps_its_field_and_another_seed_is_another_slope(small_slope: Any, tmp_path: Path) -> None:
     scene = small_slope({"uncertain": varied()})
     whole, pre_failure = run(scene), run(scene, until="first_failure")

@@ -29,7 +29,7 @@ def column(stiffness: float, spacing: float, changes: dict[str, Any] | None = No
         merge(
             {
                 "name": "column",
-                "duration": 60.0,  # vibrations of the softest column, of 1.6 s, have died out
+                "duration": 60.0 if stiffness < 10.0 else 20.0,  # vibrations, of 1.6 s in the softest column, have died out
                 "geometry": {"shape": "block", "width": 6.0 * spacing, "height": HEIGHT},
                 "walls": {"base": "no_slip", "sides": "periodic"},
                 "soil": {
@@ -69,10 +69,8 @@ def settlement(stiffness: float, y: float) -> float:
     return float(np.mean([strain(at) for at in places]) * y)
 
 
-@pytest.mark.parametrize(
-    ("stiffness", "spacing"),
-    [(3.0, 0.25), (30.0, 0.25), *(pytest.param(e, dx, marks=pytest.mark.long) for e, dx in ((5.0, 0.25), (3000.0, 0.5)))],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("stiffness", "spacing"), [(3.0, 0.25), (5.0, 0.25), (30.0, 0.25), (3000.0, 0.5)])
 def test_a_column_rests_where_it_should(stiffness: float, spacing: float) -> None:
     # Sideways u = rho a H^2 / 2 G at the top and as settled as before, to 1 %: of the lowest displacement, since the surface of the
     # kernel is half a spacing thick.  The stretch of the settled column and the rotation of its stress cancel to first order.

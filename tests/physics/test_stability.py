@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from small_scenes import NOTHING
 from typer.testing import CliRunner, Result
 
 from sph.command.cli import app
@@ -164,6 +165,12 @@ ON_A_FLOOR = {
     "gravity.inclination": 20.0,
 }
 """Strong soil that slides on its floor."""
+AS_BETWEEN_PLATES: dict[str, Any] = {
+    "damping": NOTHING["damping"],
+    "coupling": {"solid_after_failure": "elastic", "gamma": 1.0},
+    "numerics": {"short_range_repulsion": None, "artificial_stress": {"factor": 1e-9}},
+}
+"""The terms of ``test_periodic.py``, which change nothing for soil that does not fail."""
 
 
 def test_the_interface_to_the_walls_is_divided_as_the_soil_is_and_does_not_soften() -> None:
@@ -180,6 +187,7 @@ def test_factor_of_safety_on_a_frictional_floor() -> None:
     stress, slope = UNIT_WEIGHT * HEIGHT, math.radians(20.0)
     exact = (0.6 * stress * math.cos(slope) + 10e3) / (stress * math.sin(slope))
     static = static_scene(layer(ON_A_FLOOR | {"numerics.spacing": 1.0}), FailureRule())
+    static = make_scene(merge(static.model_dump(mode="json"), AS_BETWEEN_PLATES))
     assert [stand(divided_strength(static, factor * exact), FailureRule(), factor).stands for factor in (0.97, 1.03)] == [True, False]
 
 
@@ -285,6 +293,7 @@ def test_the_sensitivity_of_a_yield_acceleration() -> None:
     assert found.error > FailureRule().displacement * 0.85 * exact > 2.0 * FailureRule().displacement * found.value
 
 
+@pytest.mark.long
 def test_factor_of_safety_of_a_vertical_cut() -> None:
     """gamma H / c between 3.77 and 3.83 (limit analysis, phi = 0).
 

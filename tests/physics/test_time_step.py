@@ -45,12 +45,14 @@ def test_measured_limit_of_a_lattice_is_the_theoretical_one(free_block: SceneBui
     assert limit == pytest.approx(theory, rel=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("without_steps")
 def test_corrected_gradients_are_stiffer_at_a_free_surface(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})
     assert limit < 0.8 * theory, "the theory of the lattice does not see it"
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("without_steps")
 def test_a_step_above_the_limit_measured_at_the_start_is_refused(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})
@@ -115,6 +117,7 @@ def test_a_paused_adaptive_run_goes_on_bit_for_bit(tmp_path: Path, small_slope: 
     np.testing.assert_array_equal(resumed.trajectory["time_step"], through.trajectory["time_step"])
 
 
+@pytest.mark.long
 def test_a_fixed_step_above_the_measured_limit_is_seen(small_slope: SceneBuilder) -> None:
     # Undamped, at h = 2.3 spacings, the debris has modes stiffer than the lattice's, which the step stays just below.  Damping and
     # viscosity of nothing, so that the variant is that of tests/regression.

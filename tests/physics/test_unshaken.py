@@ -25,6 +25,7 @@ def paper(overrides: dict[str, Any]) -> Scene:
     return load_scene(PAPER, merge(DRAFT, dotted(overrides)))
 
 
+@pytest.mark.long
 def test_weaker_soil_that_yields_under_gravity_does_not_move_less() -> None:
     # At S_R 0.5 the debris stays clear of the front wall (34 m and more at S_R 0.1, whatever the cohesion), so that the order shows.
     runs = [run(paper({**SLIPPING, "coupling.S_R": 0.5, "soil.cohesion": cohesion})) for cohesion in (150.0, 40.0, 0.0)]
@@ -40,7 +41,8 @@ def test_weaker_soil_that_yields_under_gravity_does_not_move_less() -> None:
     assert settled[0] < 0.01 and settled[-1] > 0.3
 
 
-@pytest.mark.parametrize("cohesion", [pytest.param(10.0, marks=pytest.mark.long), 0.0])
+@pytest.mark.long
+@pytest.mark.parametrize("cohesion", [10.0, 0.0])
 def test_soil_that_yields_under_gravity_loses_its_strength(cohesion: float) -> None:
     # With its full strength kept where it yields, A moved 14 m; with all of it lost, 34 m (S_R 0.1).
     value = measure(run(paper({**SLIPPING, "soil.cohesion": cohesion})).trajectory)

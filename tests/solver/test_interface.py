@@ -135,6 +135,7 @@ def test_forces_and_strain_rates_are_conjugate_whatever_the_weights(free_block: 
     assert float(state.ax.sum()) == pytest.approx(0.0, abs=1e-10 * np.abs(state.ax).sum()), "equal and opposite"
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("without_steps")
 def test_the_limit_of_the_time_step_is_that_of_soil_that_has_failed(free_block: SceneBuilder) -> None:
     # Weak and strong soil of the same stiffness: the weak rows beside the interface are twice as stiff towards it.

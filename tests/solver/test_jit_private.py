@@ -117,6 +117,7 @@ def test_a_link_of_ones_own_leads_to_a_folder_that_is_judged(folder: Path, tmp_p
     assert f"others may write to {behind.parent}" in refused(folder)
 
 
+@pytest.mark.long
 def test_what_is_made_is_private_whatever_the_umask(tmp_path: Path) -> None:
     """With rights for all by default, code is compiled, kept and loaded again."""
     script = (

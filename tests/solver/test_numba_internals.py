@@ -110,6 +110,7 @@ def features(**chosen: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.long
 def test_the_users_own_functions_are_compiled_as_without_the_solver() -> None:
     own = features().split(",")
     assert not X86 or "+prefer-no-gather" in own and "+sse2" in own

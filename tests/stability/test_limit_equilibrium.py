@@ -171,6 +171,7 @@ def test_a_block_on_a_plane_yields_where_its_strength_is_used_up(cohesion: float
     assert found.critical.value == pytest.approx(expected / (math.cos(dip) + math.sin(dip) * friction), rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_slope_of_half_the_size_and_cohesion_has_the_same_answers() -> None:
     """By dimensions: F and k depend on gamma H / c alone, in a slope with a crack too."""
     half = ground(
@@ -301,6 +302,7 @@ def clay(**changes: Any) -> Scene:
     return make_scene(merge(data, dotted(changes)))
 
 
+@pytest.mark.long
 def test_a_slope_that_does_not_stand_is_told_the_strength_with_which_it_does() -> None:
     """By closed forms: without friction F is in proportion to c; an infinite slope of sand stands with an angle of its inclination."""
     weak = clay(**{"soil.cohesion": 10.0})

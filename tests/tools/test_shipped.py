@@ -192,6 +192,7 @@ def test_one_run_of_every_combination_of_terms_is_repeated_and_a_tenth_of_all(tm
     assert [path.stem for path in chosen_runs(runs)] == ["29", "28", "27", "26", "07", "03", "slow"]
 
 
+@pytest.mark.long
 def test_a_search_is_repeated_with_all_its_trials(origins: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
     path = origins.parent / "results/one/runs/a.nc"
     path.unlink()

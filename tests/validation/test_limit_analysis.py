@@ -56,6 +56,7 @@ def test_a_spiral_is_better_than_a_plane() -> None:
         assert stability_number(slope, friction) < plane
 
 
+@pytest.mark.long
 def test_factor_and_ratio_are_where_the_weakened_slope_is_at_its_stability_number() -> None:
     weight, height, cohesion, friction = 2e4, 10.0, 25e3, 20.0
     factor = limit_factor(60.0, height, weight, cohesion, friction)
@@ -104,6 +105,7 @@ def test_soil_towards_the_toe_from_the_pole_holds_the_body(turned: bool) -> None
     assert _moment_below(x[order], y[order], -1.0) == pytest.approx(-4.0, rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_gentle_slope_is_least_safe_at_partial_drawdown() -> None:
     """Griffiths and Lane (1999): a 2:1 slope stands less well than the dry one while the water is low."""
     lowered = (0.0, 0.25, 0.5, 0.75)

@@ -53,6 +53,7 @@ def test_all_cases_are_planned() -> None:
     assert jobs["validation_case"] == len(CASES) and jobs["validation_run"] > 200 and "stage" not in jobs
 
 
+@pytest.mark.long
 def test_without_the_tests_the_cases_are_refused(tmp_path: Path) -> None:
     """As where the library beside the workflow is that of the wheel."""
     for name in ("sph", "config", "workflow"):

@@ -36,6 +36,7 @@ def near(found: np.ndarray, target: float, bias: float) -> bool:
     return abs(float(found.mean()) - target) <= ERRORS * float(found.std(ddof=1)) / np.sqrt(found.size) + bias
 
 
+@pytest.mark.long
 def test_the_target_statistics_are_met(motions: np.ndarray) -> None:
     # Biases allowed: 2 % of the intensity, which the high-pass filter takes and the end cuts off; of the times one interval and 2 %,
     # since the filter of a motion of some 40 cycles spreads it by a part of a period.
@@ -49,6 +50,7 @@ def test_the_target_statistics_are_met(motions: np.ndarray) -> None:
         assert abs(value - TARGET[name]) <= ERRORS * spread.std(ddof=1) / np.sqrt(SEEDS) + INTERVAL + 0.02 * TARGET[name], name
 
 
+@pytest.mark.long
 def test_the_rate_of_zero_crossings_is_the_frequency_of_the_filter(motions: np.ndarray) -> None:
     # Up-crossings in 2 s about the time of the middle; 3 % for what the sampling and the high-pass filter change.
     middle = slice(*(round((TARGET["time_mid"] + side) / INTERVAL) for side in (-1.0, 1.0)))
@@ -57,6 +59,7 @@ def test_the_rate_of_zero_crossings_is_the_frequency_of_the_filter(motions: np.n
     assert near(rates, TARGET["frequency_mid"], 0.03 * TARGET["frequency_mid"])
 
 
+@pytest.mark.long
 def test_the_ground_comes_to_rest(motions: np.ndarray) -> None:
     # (1 + 12) exp(-12) = 8e-5 of the swing is left; ten times that for a swing larger than the peak at the samples.
     for each in motions:
