@@ -28,7 +28,7 @@ def slope(seed: int, factor: float | None = None) -> dict[str, Any]:
     drawn, weight = float(draw.uniform(1.3, 2.0)), density * GRAVITY
     wanted = drawn if factor is None else factor
     divided = math.degrees(math.atan(math.tan(math.radians(friction)) / wanted))
-    cohesion = weight * height * wanted / stability_number(angle, divided, 0.4 / height)
+    cohesion = weight * height * wanted / stability_number(angle, divided, 0.4)
     return {
         "name": f"slope{seed}",
         "duration": 16.0,
