@@ -96,7 +96,7 @@ def factor_below_1(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[F
         return min(spencer_factor(with_strength(scene, number, **{name: value})), MAX_FACTOR) - 1.0
 
     needed = dict[str, float]()
-    if not equilibrium.spencer.seam.any() and getattr(soil, name) < high and excess(high) > 0.0:
+    if not (equilibrium.spencer.seam > 0).any() and getattr(soil, name) < high and excess(high) > 0.0:
         needed[name] = unit * float(scipy.optimize.brentq(excess, getattr(soil, name), high, xtol=NEEDED * high))
     keys = f"{path}.cohesion", f"{path}.friction_angle", "geometry"
     return [finding("factor-below-1", *keys, subject=layer or "soil", value=equilibrium.spencer.value, bound=1.0, **needed)]
@@ -168,9 +168,8 @@ def _reasons(scene: Scene, equilibrium: LimitEquilibrium, difference: float) -> 
     """Names of why the two can differ as they do in this scene (``sph.checks.messages.REASONS``), and the layers that are thin."""
     loose = any(soil.friction_angle > soil.dilation_angle for soil in scene.soils)
     thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < MIN_IN_LAYER]
-    bent = (
-        equilibrium.spencer.where == "line" and equilibrium.spencer.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
-    )
+    surface = equilibrium.spencer
+    bent = surface.where != "circle" and surface.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
     reasons = {
         "dilation": difference < 0 and loose,
         "crack": difference > 0 and equilibrium.spencer.crack > 0,

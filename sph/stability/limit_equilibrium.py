@@ -22,6 +22,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+MAX_TENSION = 0.05
+"""Share of a surface in tension above which Spencer's answer is not taken."""
 MIN_SHARE = 0.2
 """Least cos(alpha) + sin(alpha) tan(phi) / F of a base: below it the normal force grows without limit (Whitman and Bailey 1967)."""
 ROUNDS = 10
@@ -196,11 +198,15 @@ def _spencer(s: Slices, k: float | np.ndarray | None) -> tuple[np.ndarray, np.nd
         open_by = np.maximum(np.abs(change) / np.maximum(np.abs(value), SMALLEST), np.abs(turn))
         if not (open_by > NEAR).any():
             break
-    sound = (open_by <= FOUND) & (share >= MIN_SHARE).all(axis=1)
+    normal = alone + q * along
+    # With forces that hold the upper slices up by pulling the lower ones down the two equations have a further root.  Where much is in
+    # tension no theta tells.
+    held = (theta >= 0.0) | (_sum(normal < 0.0, length) > MAX_TENSION * length.sum(axis=1))
+    sound = (open_by <= FOUND) & (share >= MIN_SHARE).all(axis=1) & held
     if not critical:
         sound &= (value > 0.0) & (pull.sum(axis=1) > 0.0)
         value = 1.0 / value
-    return np.where(sound, value, np.inf), alone + q * along
+    return np.where(sound, value, np.inf), normal
 
 
 def _sum(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -1,8 +1,8 @@
 """The slip surface with the least factor of safety, or the least critical coefficient, of a scene's slope by limit equilibrium.
 
 Circles are tried on a coarse grid of their ends and of their depth, by Bishop's method, and the best of them are moved until no smaller
-step betters them.  Spencer's method goes on from the best circles with convex lines of any shape, and along every seam and weak layer with
-lines that leave it through the soil.  Nothing is drawn at random: the same scene has the same answer.
+step betters them.  Spencer's method goes on from the best circles with convex lines of any shape, and with lines that follow a seam, or
+the lower side of a soil on stronger soil, and leave it through the soil.  Nothing is drawn at random: the same scene has the same answer.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
-from sph.stability.limit_equilibrium import Balance, Slices, bishop, spencer, spencer_coefficient
+from sph.stability.limit_equilibrium import MAX_TENSION, Balance, Slices, bishop, spencer, spencer_coefficient
 from sph.stability.slip_surface import NEAR, STEEPEST, VERTICES, Edges, Guide, Section, along, as_lines, circles, guides, lines
 
 SLICES, FINER = 40, 5
@@ -25,8 +25,10 @@ ENDS, HALVES = 13, np.radians([1.5, 4.0, 9.0, 15.0, 21.0, 27.0, 34.0, 42.0, 50.0
 """Places of either end in the grid of circles, and halves of their arcs, rad."""
 APART = 0.05
 """Distance over H between the ends of two starts of a descent, at least."""
+WIDER, MORE = 0.35, 6
+"""The same along a guide, whose lines come to more and other ends, and how many of them are moved."""
 PLACES = 11
-"""Places on a guide where the first lines join and leave it."""
+"""Places on a guide where the first lines join and leave it, below the face and again on the whole of it."""
 REACH = 3.0
 """Heights of the slope before the toe and behind the crest within which surfaces of the grid end."""
 CIRCLES, STARTS = 6, 3
@@ -40,8 +42,6 @@ WORTH = 1e-3
 PROMISING = 1.25
 """Factor of a guide's first surface over the best so far up to which it is followed."""
 
-MAX_TENSION = 0.05
-"""Share of a surface in tension above which Spencer's answer is not taken."""
 PENALTY = 5.0
 """Added in the search for the share of a surface in tension beyond that."""
 CRACKS = np.array([0.0, 0.3, 0.6, 1.0])
@@ -74,7 +74,7 @@ class Surface(NamedTuple):
     y: np.ndarray
     """(points,) m"""
     seam: np.ndarray
-    """(points - 1,) number of the seam along which a base lies, from 1 on; 0 in the soil"""
+    """(points - 1,) along which a base lies, as in ``Edges``"""
     tension: float
     """share of its length in tension"""
     crack: float
@@ -229,7 +229,8 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
     low_x, high_x = guide.x[[0, -1]]  # which may come out of the ground far behind the crest
     first, last = np.clip(limits, low_x, high_x)
     # A seam that meets the ground, or another seam, is left exactly there: a step beside it stands a bridge of rock, however strong.
-    place = np.unique([*guide.nodes, *np.linspace(first, last, PLACES)])
+    face = np.clip(section.place(np.array([section.toe, section.crest]))[0], low_x, high_x)
+    place = np.unique([*guide.nodes, *np.linspace(first, last, PLACES), *np.linspace(face[0], face[1], PLACES)])
     if section.ground(high_x) - guide.y[-1] <= NEAR * height:
         cracks = np.zeros(1)  # the whole body balances on what comes out of the ground behind it
     join, leave = (each.ravel() for each in np.meshgrid(place, place, indexing="ij"))
@@ -247,7 +248,7 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
         return NONE
     scale = np.array([height, height, height, height, height, 1.0, 1.0])
     low, high = np.array([[0.0, end], [0.0, end], [0.0, cracks[-1]], [low_x, high_x], [low_x, high_x], [0.0, 5.0], [0.0, 5.0]]).T
-    starts = _best(of_grid, grid, APART * height)
+    starts = _best(of_grid, grid, WIDER * height, MORE)
     ends = descend(values, starts, scale, low, high)
     # With the starts, since more slices may show that an end touches what lies beside a thin layer.
     return _surface(section, guide.name, along(section, guide, np.vstack([ends, starts]), parts), method)[0]

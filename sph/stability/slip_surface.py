@@ -29,9 +29,7 @@ COLUMNS, PARTS = 400, 200
 """Columns, and parts of their height, in which layers are weighed."""
 NEAR = 1e-6
 """Part of H that is nothing."""
-THIN = 0.25
-"""Part of H up to which a layer is thin, so that surfaces along it are tried."""
-INSIDE = 0.02
+INSIDE = 1e-3
 """Part of the thickness of a layer by which a surface along its lower side lies above that."""
 SHORTEST, SHALLOW = 0.01, 8
 """Length over H of a guide, at least, and the places on it nearest below the ground at which surfaces join and leave it, at most."""
@@ -47,7 +45,7 @@ class Edges(NamedTuple):
     y: np.ndarray
     """(surfaces, slices + 1) m"""
     seam: np.ndarray
-    """(surfaces, slices) number of the seam along which a base lies, from 1 on; 0 in the soil"""
+    """(surfaces, slices) number of the seam along which a base lies, from 1 on; 0 in the soil; -1 - n along the lower side of soil n"""
 
     def divided(self, parts: int) -> Edges:
         """The same surfaces with so many slices for each."""
@@ -181,6 +179,7 @@ class Section(NamedTuple):
         """Means of peak cohesion (Pa), tan(phi) and r_u over places (surfaces, slices, places) on bases along seams (surfaces, slices)."""
         scene, at, n = self.scene, _particle(self.scene, x.ravel()), x.size
         layer = _layer_at(scene, x.ravel(), y.ravel()) if scene.layers else np.zeros(n, int)
+        layer = np.where(seam[..., None] < 0, -1 - seam[..., None], layer.reshape(x.shape)).ravel()
         cohesion, angle = strength_at(scene, at, y.ravel(), layer, n)
         cohesion, friction, ratio = (each.reshape(x.shape).mean(axis=-1) for each in (cohesion, np.tan(angle), _ratios(scene)[layer]))
         for number, own in enumerate(scene.seams.values(), 1):
@@ -315,7 +314,7 @@ class Guide(NamedTuple):
     """A line in the soil along which a surface may run, from left to right."""
 
     name: str
-    seam: np.ndarray  # (n - 1,) number from 1 on of the seam between each two places; 0 for the lower side of a layer
+    seam: np.ndarray  # (n - 1,) as in ``Edges``, between each two places
     x: np.ndarray  # (n,) m
     y: np.ndarray  # m
     nodes: np.ndarray = np.zeros(
@@ -360,7 +359,7 @@ def _divided(corners: np.ndarray, parts: int) -> np.ndarray:
 
 
 def guides(section: Section) -> list[Guide]:
-    """The seams, and the lower sides of thin layers that are weaker than other soil, as far as each lies in the soil."""
+    """The seams, and the lower sides of soils where a stronger one lies below, as far as each lies in the soil."""
     scene, kept = section.scene, list[Guide]()
     for joint in _chained(_joints(scene), scene.numerics.spacing):
         kept += _within(
@@ -369,28 +368,35 @@ def guides(section: Section) -> list[Guide]:
     if not scene.layers:
         return kept
     column = np.unique([*(np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS, *section.x])
-    (edges, layers), ratios = _strata(section, column), _ratios(scene)
-    thick = np.diff(edges, axis=1)
-    for number, (name, soil) in enumerate(zip(("", *scene.layers), scene.soils, strict=True)):
-        there = (layers == number) & (thick > NEAR * section.height)
+    edges, layers = _strata(section, column)
+    thick, contact = np.diff(edges, axis=1), np.zeros(layers.shape, bool)
+    weaker, below = _weaker(scene), np.full(column.size, -1)
+    for k, here in enumerate((thick > NEAR * section.height).T):
+        contact[:, k] = here & weaker[layers[:, k], below]
+        below = np.where(here, layers[:, k], below)
+    for number, name in enumerate(("", *scene.layers)):
+        there = contact & (layers == number)
         crossed = np.flatnonzero(there.any(axis=1))
-        # A soil whose strength grows may be stronger deep down than any that it is compared with here.
-        weak = ratios[number] > ratios.min() or any(
-            other.gradient > 0.0 or soil.cohesion < other.cohesion or soil.friction_angle < other.friction_angle
-            for other in scene.soils
-            if other is not soil
-        )
-        if not weak or crossed.size < 2 or np.median((there * thick).sum(axis=1)[crossed]) > THIN * section.height:
-            continue
-        longest = max(np.split(crossed, np.flatnonzero(np.diff(crossed) > 1) + 1), key=len)
-        at = longest, there.argmax(axis=1)[longest]
-        x, y = column[longest], edges[at] + INSIDE * thick[at]
-        # A column further, since the layer may come out of the ground there.
-        steps = [(x[k] - x[near], y[k] - y[near]) for k, near in ((0, 1), (-1, -2))]
-        x, y = (np.concatenate([[side[0] + steps[0][k]], side, [side[-1] + steps[1][k]]]) for k, side in enumerate((x, y)))
+        at = crossed, layers.shape[1] - 1 - there[crossed, ::-1].argmax(axis=1)  # the uppermost
+        x, y = column[crossed], edges[at] + INSIDE * thick[at]
+        apart = (np.diff(crossed) > 1) | (np.abs(np.diff(y)) > STEEPEST[1] * np.diff(x))
         words = f"along the layer {name}" if name else "along the scene's own soil"
-        kept += _within(section, Guide(words, np.zeros(x.size - 1, int), x, y))
+        for run in np.split(np.arange(x.size), np.flatnonzero(apart) + 1):
+            if run.size > 1:
+                # A column further, since the soil may come out of the ground there.
+                line = [np.pad(side[run], 1, mode="reflect", reflect_type="odd") for side in (x, y)]
+                kept += _within(section, Guide(words, np.full(run.size + 1, -1 - number), *line))
     return kept
+
+
+def _weaker(scene: Scene) -> np.ndarray:
+    """Which soils (n, n + 1) may be weaker than each of the soils; last, than the rigid base: those that may be weaker than any soil."""
+    cohesion, angle, growth = np.array([[soil.cohesion, soil.friction_angle, soil.gradient] for soil in scene.soils]).T
+    ratios = _ratios(scene)
+    # A soil whose strength grows may be stronger deep down than any that it is compared with here.
+    pairs = (growth > 0.0) | (ratios[:, None] > ratios) | (cohesion[:, None] < cohesion) | (angle[:, None] < angle)
+    np.fill_diagonal(pairs, False)
+    return np.column_stack([pairs, pairs.any(axis=1)])
 
 
 def _joints(scene: Scene) -> list[Guide]:
@@ -462,7 +468,8 @@ def _within(section: Section, line: Guide) -> list[Guide]:
         x = np.unique(np.concatenate([*ends, places[stretch]]))
         if x.size < 2 or np.ptp(x) < SHORTEST * section.height:
             continue
-        shallow = stretch[1:-1][(cover[stretch[1:-1]] <= cover[stretch[:-2]]) & (cover[stretch[1:-1]] <= cover[stretch[2:]])]
+        falls = np.diff(cover[stretch]) / (NEAR * section.height)
+        shallow = stretch[1:-1][(falls[:-1] <= 1.0) & (falls[1:] >= -1.0) & ((falls[:-1] < -1.0) | (falls[1:] > 1.0))]
         shallow = shallow[np.argsort(cover[shallow], kind="stable")[:SHALLOW]]
         nodes = np.concatenate([x[[0, -1]], line.nodes[(line.nodes > x[0]) & (line.nodes < x[-1])], places[shallow]])
         parts.append(Guide(line.name, line.seam_at(0.5 * (x[:-1] + x[1:])), x, np.interp(x, line.x, line.y), np.unique(nodes)))

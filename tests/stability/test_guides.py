@@ -1,4 +1,4 @@
-"""Slip surfaces along seams and thin layers, however thin, long or deep they are, against closed forms of a plane."""
+"""Slip surfaces along seams and the lower sides of weak layers, however thin, long or deep they are, against closed forms of a plane."""
 
 from __future__ import annotations
 
@@ -127,6 +127,46 @@ def test_a_thin_layer_that_only_its_water_weakens_is_a_plane_too() -> None:
     scene = rock(60.0, 70.0, own=soil(20.0, 25.0), layers=layer, water={"pressure": "by_place", "r_u": 0.0})
     found = limit_equilibrium(scene)
     assert found.spencer.value < (1.0 + EXACT) * plane(60.0, 30.0, 20.0, 25.0, 0.6) < 0.9 * found.bishop.value
+
+
+def test_a_thin_cover_on_rock_comes_to_the_infinite_slope() -> None:
+    """F = c / (gamma z sin(b) cos(b)) + tan(phi) / tan(b) and k of a plane; what its ends hold halves with its depth z."""
+    cohesion, angle, friction, found = 3.0, math.radians(30.0), math.tan(math.radians(28.0)), []
+    for depth in (0.5, 0.25):
+        below = {"rock": {"region": {"kind": "depth", "top": depth}, "soil": soil(500.0, 45.0)}}
+        made = limit_equilibrium(rock(30.0, 70.0, own=soil(cohesion * depth, 28.0), layers=below))
+        assert made.spencer.where == made.critical.where == "along the scene's own soil"
+        found.append([made.spencer.value, made.critical.value])
+    factor = cohesion / (WEIGHT * math.sin(angle) * math.cos(angle)) + friction / math.tan(angle)
+    k = (factor - 1.0) * math.sin(angle) / (math.cos(angle) + math.sin(angle) * friction)
+    assert 2.0 * np.array(found[1]) - found[0] == pytest.approx([factor, k], rel=EXACT)
+    assert factor < found[1][0] < 1.02 * factor
+
+
+@pytest.mark.parametrize("downhill", ["left", "right"])
+@pytest.mark.parametrize("table", [None, 1.5], ids=["dry", "wet"])
+@pytest.mark.parametrize("crest", [19.0, 17.0])
+def test_a_seam_as_strong_as_the_cover_along_its_base_changes_nothing(crest: float, table: float | None, downhill: str) -> None:
+    """A cover 4 m deep on rock, with a bench; behind a lower crest it is thinner."""
+    rise, way = 11.0 / 19.0, 1.0 if downhill == "left" else -1.0
+
+    def line(top: float, depth: float) -> list[list[float]]:
+        corners = [[-60.0, 0.0], [0.0, 0.0], [15.0, 8.0], [18.0, 8.0], [18.0 + (top - 8.0) / rise, top], [90.0, top]]
+        return sorted([way * x, y - depth] for x, y in corners)
+
+    scene = {
+        "name": "cover",
+        "scheme": "paper",
+        "duration": 3.0,
+        "geometry": {"shape": "ground_line", "points": line(crest, 0.0), "base": -12.0, "downhill": downhill},
+        "soil": {"youngs_modulus": 1e5, "poisson_ratio": 0.3, "density": 1900.0, "cohesion": 6.0, "friction_angle": 29.0},
+        "layers": {"ground": {"region": {"kind": "below", "points": line(19.0, 4.0)}, "soil": {"cohesion": 200.0, "friction_angle": 38.0}}},
+        "water": None if table is None else {"pressure": "carried", "points": line(crest, table)},
+        "numerics": {"spacing": 1.0, "time_step": 0.01, "adaptive_step": {}},
+    }
+    without, along_seam = (limit_equilibrium(make_scene(scene | {"seams": seams})) for seams in ({}, seam(line(19.0, 4.0), 6.0, 29.0)))
+    assert without.spencer.value == pytest.approx(along_seam.spencer.value, rel=0.02)
+    assert without.critical.value == pytest.approx(along_seam.critical.value, rel=0.02)
 
 
 @pytest.mark.parametrize("spacing", [0.25, 2.0])

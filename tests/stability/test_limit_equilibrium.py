@@ -357,7 +357,7 @@ def test_a_slope_whose_block_slips_farther_than_its_strength_lasts_should_fail()
         ({"walls.bedrock": {"density": 1900.0, "s_wave_speed": 200.0, "p_wave_speed": 400.0}}, True),
         ({"walls.base": "no_slip"}, False),
         ({"soil.friction_angle": 30.0}, False),
-        ({"layers": {"deep": {"region": {"kind": "depth", "top": 12.0}, "soil": {"cohesion": 200.0}}}}, False),
+        ({"layers": {"deep": {"region": {"kind": "depth", "top": 8.0}, "soil": {"cohesion": 200.0}}}}, False),
     ],
 )
 def test_a_slip_surface_that_ends_at_soil_which_goes_on_is_told(changes: dict[str, Any], told: bool) -> None:
