@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import BRAKED, LATE, at_least, held, is_bounded, is_open
+from sph.checks.after_run import BRAKED, LATE, at_least, held, is_at_least, is_bounded, is_open, near_miss
 from sph.checks.messages import Severity, block_words, braked_words, factor_words, listed, sentence, surer, yield_words
 from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
@@ -196,12 +196,14 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
 
 
 def _of_places(known: pd.DataFrame) -> list[str]:
-    """The places that debris reaches in some of these runs, and those whose ground moves with the slope."""
-    places = places_in(known.columns)
+    """The places that debris reaches in some of these runs, or that it certainly does not, and those whose ground moves with the slope."""
+    places, runs = places_in(known.columns), known.to_dict("records")
     reached = [name for name in places if (known[column_of(name, REACHED)] > 0.0).any()]
     moves = {name: float(known[column_of(name, GROUND)].max()) for name in places}
     moved = [f"{metres(by)} m at {name}" for name, by in moves.items() if by >= min(AREA_THRESHOLDS.values())]
     said = [f"it reaches {listed(reached)}"] if reached else []
+    if places and not reached and not any(is_at_least(run) or near_miss(run, place) for run in runs for place in places):
+        said = [f"it does not reach {listed(places, 'or')}"]
     said += [f"the ground moves {listed(moved)}"] if moved else []
     return [words.replace("_", " ") for words in said]
 

@@ -233,7 +233,7 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     on["time_to_rest"] = [math.nan] * 3 + [2.0] * 3
     assert said(on, []) == f"{fails}{moving}does not slow down yet in 1 of them."
     assert said(runs.assign(alternative=["base", "base", "base", "base", "drained", "drained"]), []) == (
-        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fails; debris runs up to 10.0 m beyond the toe."
+        "As it is, at 4 m/s2 (0.408 g) 1 of 2 runs fails; debris runs up to 10.0 m beyond the toe; it does not reach road or house."
     ), "an alternative is no run of the slope as it is"
     assert said(bare.assign(alternative="drained"), []).startswith("With drained, at 4 m/s2 (0.408 g) 3 of 4 runs fail"), "so far"
     assert said(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
@@ -281,4 +281,6 @@ def test_what_would_make_the_results_surer_is_said_in_a_line() -> None:
 def test_the_sentence_names_the_places_that_are_reached_and_those_that_go_along() -> None:
     said = lead(RUNS.assign(road_ground_displacement=13.7), [])
     assert "; it reaches road; the ground moves 13.7 m at road" in said and "house" not in said
-    assert "reaches" not in lead(RUNS.assign(road_reached=0.0), [])
+    short = RUNS.assign(road_reached=0.0, reached_side="", road_passed=-20.0)
+    assert "; it does not reach road or house" in lead(short, [])
+    assert "reach" not in lead(short.assign(at_rest=0, **MOVING), []) + lead(short.assign(road_passed=-1.0), [])
