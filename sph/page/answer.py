@@ -126,6 +126,7 @@ def answer(
         if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
         else ("differs, see all runs", "")
     )
+    alarms = drifts(found(SPACINGS), probe, _points(table, dimensions))
     beside = "" if doubted else verdict(strongest(table), doubts(table, rows))
     return Answer(
         [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
@@ -133,9 +134,9 @@ def answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
         [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe, slices_of(table, rows))]
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
-        drifts(found(SPACINGS), probe, _points(table, dimensions)),
+        alarms,
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
-        surer_with(table, rows, bool(found(SPACINGS)) or not why_unknown),
+        surer_with(table, rows, bool(found(SPACINGS)) or not why_unknown, bool(alarms), scene.early_stop is not None),
         expected,
         why_unknown,
     )
@@ -208,11 +209,13 @@ def _of_places(known: pd.DataFrame) -> list[str]:
     return [words.replace("_", " ") for words in said]
 
 
-def surer_with(table: pd.DataFrame, rows: Sequence[Row], checked: bool) -> str:
-    """What would make the results surer, the most effective three: longer runs, a second spacing where the error of the spacing is not
-    ``checked``, and what the warnings ask for, by their rank; nothing where none asks for anything."""
+def surer_with(table: pd.DataFrame, rows: Sequence[Row], checked: bool, differs: bool = False, ended: bool = False) -> str:
+    """What would make the results surer, the most effective three: longer runs, without an early stop where runs are ``ended`` by it, a
+    second spacing where the error of the spacing is not ``checked``, a finer one where what was checked ``differs``, and what the warnings
+    ask for, by their rank; nothing where none asks for anything."""
     moving = ((table["at_rest"] == 0) & (table["diverged"] == 0)).any()
-    said = ["longer runs"] * bool(moving) + ["runs at a second spacing"] * (not checked)
+    said = ["a finer spacing"] * differs + ["longer runs" + " without an early stop" * ended] * bool(moving)
+    said += ["runs at a second spacing"] * (not checked)
     warnings = sorted((row.finding for row in rows if row.finding.counts), key=lambda each: each.rank)
     return ", ".join(list(dict.fromkeys(filter(None, (*said, *map(surer, warnings)))))[:3])
 

@@ -276,6 +276,7 @@ def test_what_would_make_the_results_surer_is_said_in_a_line() -> None:
         "longer runs, runs at a second spacing, more rows of particles in berm"
     )
     assert surer_with(RUNS.assign(at_rest=0, diverged=1), [], checked=False) == "runs at a second spacing"
+    assert surer_with(RUNS.assign(at_rest=0), [], True, differs=True, ended=True) == "a finer spacing, longer runs without an early stop"
 
 
 def test_the_sentence_names_the_places_that_are_reached_and_those_that_go_along() -> None:
