@@ -12,7 +12,7 @@ import pandas as pd
 from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_held, near_miss
 from sph.checks.finding import Finding
 from sph.checks.messages import listed
-from sph.figures.style import AT_LEAST, NOTHING, metres
+from sph.figures.style import AT_LEAST, LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import PASSED, REACHED, column_of, places_in
 from sph.page.tables import Table
@@ -23,6 +23,8 @@ from sph.study.preflight import Row
 MORE = " farther"
 LENGTHS = "displacement_magnitude", "runout"
 """What an alternative saves of."""
+FARTHER = 1.1
+"""Displacement in an alternative, over that of the scene as it is, from which on it is said to be larger."""
 NOTICED = 0.5
 """Percent of a length below which nothing is saved."""
 
@@ -91,8 +93,21 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, s
         *(("factor of safety (Bishop, Spencer)", "yield acceleration (Spencer)") if slices else ()),
     )
     said = title_of(others, {key: str(value) for key, value in at.items()})
-    note = f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest." if others else ""
-    return [Table("Alternatives, beside the scene as it is", head, rows, note)]
+    notes = [f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest."] if others else []
+    notes += [
+        f"With {name} {probe} moves farther than as it is in {count} of {len(runs)} runs."
+        for name, runs in groups.items()
+        if (count := _farther(base, runs, [dimension.name for dimension in others]))
+    ]
+    return [Table("Alternatives, beside the scene as it is", head, rows, " ".join(notes))]
+
+
+def _farther(base: pd.DataFrame, runs: pd.DataFrame, keys: Sequence[str]) -> int:
+    """In how many runs, by the dimensions ``keys``, the probe moves farther than in those of ``base`` by more than ``FARTHER``."""
+    moved = LENGTHS[0]
+    there = {tuple(run[key] for key in keys): run[moved] for run in base.to_dict("records")}
+    pairs = ((run[moved], there.get(tuple(run[key] for key in keys), math.nan)) for run in runs.to_dict("records"))
+    return sum(own > max(FARTHER * as_it_is, as_it_is + LEAST) for own, as_it_is in pairs)
 
 
 def verdict(table: pd.DataFrame, doubted: Sequence[Doubt] = ()) -> str:
