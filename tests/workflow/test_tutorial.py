@@ -38,5 +38,5 @@ def test_the_readme_s_commands(tmp_path: Path) -> None:
         if "check" in arguments:
             assert all(word in told for word in ("drained", "berm", "Spencer"))
         if name == "snakemake":
-            assert re.search(r"simulate\s+3\b", told), "the slope as it is and both alternatives"
+            assert re.search(r"simulate\s+6\b", told), "the slope as it is and both alternatives, in both directions"
     assert {"scene.png", "look.nc", "look.png"} <= {path.name for path in tmp_path.iterdir()}
