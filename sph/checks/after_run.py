@@ -10,7 +10,7 @@ import numpy as np
 
 from sph.checks.cover_rows import SCATTER, covers
 from sph.checks.finding import Finding, called, finding
-from sph.measures.metrics import ENERGY_LIMIT, MINOR, STABLE, MetricSettings, Value, debris_metrics, energy_error, main_mass
+from sph.measures.metrics import CLASSES, ENERGY_LIMIT, MINOR, STABLE, MetricSettings, Value, debris_metrics, energy_error, main_mass
 from sph.measures.places import PASSED, column_of
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.output.run import Run
@@ -78,6 +78,11 @@ def in_motion(run: Mapping[Any, Any]) -> bool:
 def is_at_least(run: Mapping[Any, Any]) -> bool:
     """Whether displacement and run-out of a run are shown as lower bounds: they are, or the run ends in motion."""
     return is_lower_bound(run) or in_motion(run)
+
+
+def has_debris(run: Mapping[Any, Any]) -> bool:
+    """Whether soil has come down in a run, by its row of a study's table: its probe with it, or beyond the toe."""
+    return run["collapse_class"] in CLASSES[2:] or run["runout"] > 0.0
 
 
 def near_miss(run: Mapping[Any, Any], place: str) -> float:

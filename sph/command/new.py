@@ -464,11 +464,10 @@ def _written(known: Known, folder: Path) -> Written:
         write(section, rows)
         weakest = load_scene(scene, {} if known.has_residual else {"coupling": {"S_R": float(RATIOS[0])}})
         section = _section(known, folder, room_ahead(weakest))
-    write(section, rows)
-    seconds = cost(load_scene(scene)).seconds  # of a run with ``ROWS``
     if known.cover is not None:
+        write(section, rows)
         needed = math.ceil(section.height * (enough_rows() or ROWS) / known.cover * (1.0 - 1e-9))
-        rows = _enough(f"--cover {known.cover:g}", needed, seconds)
+        rows = _enough(f"--cover {known.cover:g}", needed, cost(load_scene(scene)).seconds)
     while True:
         assumed = write(section, rows)
         plan = load_study(study, check=False)
@@ -480,9 +479,10 @@ def _written(known: Known, folder: Path) -> Written:
         filled = plan.at(COARSE).built(**(first | {ALTERNATIVE: "berm"}))
         if not broken(filled, place_particles(filled)):
             break
-        rows = rows._replace(own=rows.own + PARTS)
-        if (longest := seconds * (rows.own / ROWS) ** 3) > MAX_RUN:
+        finer = rows._replace(own=rows.own + PARTS)
+        if (longest := cost(load_scene(scene)).seconds * (finer.own / rows.own) ** 3) > MAX_RUN:
             raise ValueError(_too_thin(f"--alternative berm={known.alternatives['berm']:g}", longest, "give a higher one"))
+        rows = finer
     return Written(scene, study, assumed)
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import in_motion, is_at_least, is_bounded, is_held, near_miss
+from sph.checks.after_run import has_debris, in_motion, is_at_least, is_bounded, is_held, near_miss
 from sph.checks.finding import Finding
 from sph.checks.messages import listed
 from sph.figures.style import AT_LEAST, LEAST, NOTHING, metres
@@ -103,11 +103,12 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, s
 
 
 def _farther(base: pd.DataFrame, runs: pd.DataFrame, keys: Sequence[str]) -> int:
-    """In how many runs, by the dimensions ``keys``, the probe moves farther than in those of ``base`` by more than ``FARTHER``."""
+    """In how many runs, by the dimensions ``keys``, the probe moves more than ``FARTHER`` times as far as in those of ``base``, of which no
+    lower bound is compared."""
     moved = LENGTHS[0]
-    there = {tuple(run[key] for key in keys): run[moved] for run in base.to_dict("records")}
+    there = {tuple(run[key] for key in keys): run[moved] for run in base.to_dict("records") if not is_at_least(run)}
     pairs = ((run[moved], there.get(tuple(run[key] for key in keys), math.nan)) for run in runs.to_dict("records"))
-    return sum(own > max(FARTHER * as_it_is, as_it_is + LEAST) for own, as_it_is in pairs)
+    return sum(own > max(FARTHER * before, before + LEAST) for own, before in pairs)
 
 
 def verdict(table: pd.DataFrame, doubted: Sequence[Doubt] = ()) -> str:
@@ -205,8 +206,8 @@ def _which(outcomes: Mapping[str, bool | None], verb: str, what: str) -> list[st
 
 def saved(base: Mapping[Any, Any], own: Mapping[Any, Any], length: str = "displacement_magnitude") -> str:
     """How much less an alternative moves or runs out than the scene as it is, in m and percent; where one of them is a lower bound, what
-    is known.  Run-outs are compared where the study has a place, since that of a berm begins at its foot."""
-    columns = [column_of(place, PASSED) for place in places_in(base)] if length == "runout" else []
+    is known.  Run-outs of debris are compared where the study has a place, since that of a berm begins at its foot."""
+    columns = [column_of(place, PASSED) for place in places_in(base)] if length == "runout" and has_debris(own) else []
     less = next((by for column in columns if not math.isnan(by := float(base[column] - own[column]))), float(base[length] - own[length]))
     share = 100.0 * less / float(base[length]) if base[length] > 0.0 else 0.0
     words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + MORE * (less < 0.0)

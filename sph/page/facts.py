@@ -203,7 +203,7 @@ def answer_spacing(files: Sequence[str], why: str = "") -> list[tuple[str, str, 
         runs = [set(of["verdict"]) == {CONVERGED} for _, of in rows.groupby("run")]
         at = " and ".join(f"{rows[name].iloc[0]:.3g} m" for name in ("spacing", "second_spacing"))
         few = f"; it does not show what more rows would change: {why}" * bool(why)
-        words = f"{CONVERGED}, or by less than counts as motion, in {sum(runs)} of {len(runs)} runs"
+        words = f"{CONVERGED}, or differs by less than counts as motion, in {sum(runs)} of {len(runs)} runs"
         facts.append(("Spacing", words, f"all runs with particles of {at}{few}"))
     return facts
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from sph.checks.after_run import held, near_miss
+from sph.checks.after_run import has_debris, held, near_miss
 from sph.figures.style import NOTHING, metres
-from sph.measures.metrics import AREA_THRESHOLDS, CLASSES
+from sph.measures.metrics import AREA_THRESHOLDS
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.page.tables import Table, filled, moves_on
 from sph.scene.units import in_both
@@ -91,14 +91,13 @@ def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:
     passed = column_of(place, PASSED)
     farthest = short.sort_values(passed, na_position="first").to_dict("records")[-1]
     gap = -float(farthest[passed])
-    debris = farthest["collapse_class"] in CLASSES[2:] or farthest["runout"] > 0.0
-    away = f"{metres(gap)} m short" if gap > 0.0 and debris else ""
+    away = f"{metres(gap)} m short" if gap > 0.0 and has_debris(farthest) else ""
     if braked.any() or len(moving):
         reason = " and ".join([*["held back"] * bool(braked.any()), *["still moving"] * bool(len(moving))])
         count = f" in {int(braked.sum()) + len(moving)} of {len(short)} runs" if len(short) > 1 else ""
         return f"unknown{count}, {reason}{f'; {away} at the end' if away else ''}"
     if error := near_miss(farthest, place):
         return f"may be reached: stops {away}, within its error of {100.0 * error:.0f} %"
-    if not (short["collapse_class"].isin(CLASSES[2:]) | (short["runout"] > 0.0)).any():
+    if not any(map(has_debris, short.to_dict("records"))):
         return f"no soil that fails comes within {metres(gap)} m" if gap > 0.0 else "no soil that fails comes near"
     return f"stops {away}" if away else "no depth that counts"

@@ -100,7 +100,7 @@ def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(read_spacing(file), table)
     (fact,) = answer_spacing([str(file)])
     assert fact[1:] == (
-        "agrees within 10 %, or by less than counts as motion, in 1 of 2 runs",
+        "agrees within 10 %, or differs by less than counts as motion, in 1 of 2 runs",
         "all runs with particles of 1.27 m and 1.9 m",
     )
     assert answer_spacing([str(file)], "3 rows")[0][2].endswith("; it does not show what more rows would change: 3 rows")

@@ -166,10 +166,15 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     ]
     assert "amplitude 4.0 m/s²" in found.note
     (berm,) = compared(table_of(runout=[0.0, 12.0, 0.0, 3.0, 0.0, 0.0], house_passed=[-11.0, 1.0, 2.0, -8.0, -4.0, 0.0]), DIMENSIONS, "A")
-    assert berm.rows[2][-1] == "1.00 m (8 %)", "its foot lies 11 m beyond the toe, and debris would have reached that place"
+    assert berm.rows[2][-1] == "12.0 m (100 %)", "nothing comes down"
+    fails = ["stable", "collapse", "stable", "minor", "stable", "collapse"]
+    (berm,) = compared(table_of(collapse_class=fails, house_passed=[-11.0, 1.0, 2.0, -8.0, -4.0, 0.0]), DIMENSIONS, "A")
+    assert berm.rows[2][-1] == "1.00 m (8 %)", "its foot lies 11 m beyond the toe, where its debris is"
     assert "farther than" not in found.note
     (deeper,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1]), DIMENSIONS, "A")
     assert "With drained A moves farther than as it is in 2 of 2 runs." in deeper.note and "buttress" not in deeper.note
+    (open_one,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1], at_rest=[1, 0, 1, 1, 1, 1]), DIMENSIONS, "A")
+    assert "With drained A moves farther than as it is in 1 of 2 runs." in open_one.note, "the other may go on as far"
     on_paper = turned(found)
     assert on_paper.head == ("alternative", "as it is", "drained", "buttress")
     assert on_paper.rows[-2] == ("saves of the displacement", "–", "6.00 m (60 %)", "9.90 m (99 %)")
