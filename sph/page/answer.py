@@ -111,12 +111,12 @@ def answer(
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
-        ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing, by_slices["spencer"] if by_slices else math.inf))),
         ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
-        *at_residual(rows),
         ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
-        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         *when(strongest(own), probe),
+        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
+        ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing, by_slices["spencer"] if by_slices else math.inf))),
+        *at_residual(rows),
         *answer_spacing(found(SPACINGS), why),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
