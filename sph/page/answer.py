@@ -245,7 +245,7 @@ def _bound(known: pd.DataFrame) -> str:
 def _beside_others(known: pd.DataFrame) -> str:
     """How far a sliding point and slides of the field would go where the debris goes farthest, in brackets."""
     farthest = max(known[known["runout"] > 0.0].to_dict("records"), key=lambda run: run["runout"])
-    others = {"energy line": farthest["energy_line_runout"], "Corominas": farthest["corominas_runout"]}
+    others = {"energy line": farthest["energy_line_runout"], "mean of past slides": farthest["corominas_runout"]}
     words = ", ".join(f"{name} {metres(goes)} m" for name, goes in others.items() if not math.isnan(goes))
     return f" ({words})" * bool(words)
 

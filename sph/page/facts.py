@@ -62,7 +62,7 @@ def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     """The factors of safety at the strength that failed soil keeps, and what it means where that is below 1 and the slope stands now."""
     found = [row.finding.numbers for row in rows if row.finding.code == "limit-equilibrium-residual"]
     falls, stands = (sum(row.runs for row in rows if row.finding.code == code) for code in ("fails-at-residual", "stands-at-residual"))
-    by_particles = f"in SPH it stands in {stands} of {falls + stands} runs" if falls + stands else ""
+    by_particles = f"by a static test of SPH {stands} of {falls + stands} slopes would stand" if falls + stands else ""
     if not found and not by_particles:
         return []
     factors = sorted(of["spencer"] for of in found)

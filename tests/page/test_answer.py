@@ -158,8 +158,8 @@ def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> N
 
 def test_how_far_others_would_go_is_beside_the_run_out() -> None:
     runs = RUNS.assign(energy_line_runout=[70.0, 44.0, 40.0] * 2, corominas_runout=11.0, runout=[0.0, 2.0, 3.0] * 2)
-    assert "3.00 m beyond the toe (energy line 40.0 m, Corominas 11.0 m)" in lead(runs, [])
-    assert "3.00 m beyond the toe (Corominas 11.0 m)" in lead(runs.assign(energy_line_runout=math.nan), [])
+    assert "3.00 m beyond the toe (energy line 40.0 m, mean of past slides 11.0 m)" in lead(runs, [])
+    assert "3.00 m beyond the toe (mean of past slides 11.0 m)" in lead(runs.assign(energy_line_runout=math.nan), [])
     assert "beyond the toe" not in lead(runs.assign(runout=0.0), [])
 
 
@@ -202,12 +202,12 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
     ((name, words, meant),) = at_residual(weak)
     assert (name, words) == (
         "Factor of safety at residual strength",
-        "Bishop 0.61 (circle), Spencer 0.58 (not circular); in SPH it stands in 0 of 4 runs",
+        "Bishop 0.61 (circle), Spencer 0.58 (not circular); by a static test of SPH 0 of 4 slopes would stand",
     )
     assert "progressive failure" in meant
-    assert at_residual(strong)[0][1:] == ("Bishop 1.21 (circle), Spencer 1.20 (circle); in SPH it stands in 2 of 2 runs", "")
-    assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; in SPH it stands in 2 of 6 runs"
-    assert at_residual(weak[:1])[0][1] == "in SPH it stands in 0 of 4 runs", "a scene without slices"
+    assert at_residual(strong)[0][1:] == ("Bishop 1.21 (circle), Spencer 1.20 (circle); by a static test of SPH 2 of 2 slopes would stand", "")
+    assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; by a static test of SPH 2 of 6 slopes would stand"
+    assert at_residual(weak[:1])[0][1] == "by a static test of SPH 0 of 4 slopes would stand", "a scene without slices"
     assert at_residual([]) == []
 
 
