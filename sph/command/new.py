@@ -149,7 +149,10 @@ damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # ASSUMED
 motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; the study scales it
 numerics:
   spacing: {spacing:g} # m, {rows} whole rows over the height of the slope{in_cover}
-probes: {{A: crest_edge}} # to follow a building behind the crest: keep A, and add house: [x, elevation]
+{kernel}probes: {{A: crest_edge}} # to follow a building behind the crest: keep A, and add house: [x, elevation]
+"""
+KERNEL_TEXT = """\
+  smoothing_ratio: 1.22 # keeps wet ground that fails on its lattice, which the default of 1.3 does not: docs/model/choices.md
 """
 LAYERS_TEXT = """\
 # layers: # other soils, by depth, elevation or polygon; give only the keys that differ
@@ -606,6 +609,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "jaky": jaky,
         "layers": layers,
         "water": carried,
+        "kernel": KERNEL_TEXT if carried else "",
         "ratio": ratio,
         "width": width,
         "start": START,

@@ -140,12 +140,12 @@ def test_the_static_test_samples_as_rarely_as_frames_and_the_gravity_stage_allow
     assert outputs.frame_interval == 0.25 and outputs.series_interval == pytest.approx(sample)
 
 
-@pytest.mark.parametrize(("ratio", "reading", "kept"), [(2.3, "half_support", False), (1.2, "half_support", True), (2.4, "support", True)])
-def test_the_static_test_has_a_small_kernel_and_its_own_viscosity(ratio: float, reading: str, kept: bool) -> None:
+@pytest.mark.parametrize(("ratio", "reading"), [(2.3, "half_support"), (1.22, "half_support"), (2.4, "support")])
+def test_the_static_test_has_its_own_kernel_and_viscosity(ratio: float, reading: str) -> None:
     wide = layer({"numerics.smoothing_ratio": ratio, "numerics.smoothing_length_is": reading, "geometry.width": 12.0, "walls.layers": 5})
     numerics = static_scene(wide, FailureRule()).numerics
     assert numerics.artificial_viscosity is not None and numerics.artificial_viscosity.alpha == VISCOSITY
-    assert numerics.smoothing_length == (wide.numerics.smoothing_length if kept else SMOOTHING_RATIO * wide.numerics.spacing)
+    assert numerics.smoothing_length == SMOOTHING_RATIO * wide.numerics.spacing
     without = static_scene(layer({"numerics.artificial_viscosity": None}), FailureRule()).numerics.artificial_viscosity
     assert without is not None and without.alpha == VISCOSITY
 
