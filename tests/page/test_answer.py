@@ -205,7 +205,8 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
         "Bishop 0.61 (circle), Spencer 0.58 (not circular); by a static test of SPH 0 of 4 slopes would stand",
     )
     assert "progressive failure" in meant
-    assert at_residual(strong)[0][1:] == ("Bishop 1.21 (circle), Spencer 1.20 (circle); by a static test of SPH 2 of 2 slopes would stand", "")
+    by_slices = "Bishop 1.21 (circle), Spencer 1.20 (circle)"
+    assert at_residual(strong)[0][1:] == (f"{by_slices}; by a static test of SPH 2 of 2 slopes would stand", "")
     assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; by a static test of SPH 2 of 6 slopes would stand"
     assert at_residual(weak[:1])[0][1] == "by a static test of SPH 0 of 4 slopes would stand", "a scene without slices"
     assert at_residual([]) == []
