@@ -113,6 +113,12 @@ def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
         assert "#" in "".join(scene.read_text(encoding="utf-8").splitlines()[at - 1 : at + 1]), f"{line} has a comment"
 
 
+def test_a_wet_slope_has_the_kernel_that_keeps_its_ground_in_place(tmp_path: Path) -> None:
+    wet, dry = (written(tmp_path / name, water=depth).scene for name, depth in (("wet", 3.0), ("dry", None)))
+    assert "\n  smoothing_ratio: 1.22 #" in wet.read_text() and load_scene(wet).numerics.smoothing_ratio == 1.22
+    assert "smoothing_ratio" not in dry.read_text()
+
+
 def test_the_damping_fits_the_column_that_sph_info_names(tmp_path: Path) -> None:
     scene = load_scene(written(tmp_path).scene)
     told = CliRunner().invoke(app, ["info", str(tmp_path / "scene.yaml")]).output

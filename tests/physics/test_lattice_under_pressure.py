@@ -15,14 +15,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
+from sph.command.new import KERNEL_TEXT
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.physics.kernels import evaluate, make_kernel
 from sph.solver.simulation import Simulation
 
-HOLDS = 1.22
+HOLDS = yaml.safe_load(KERNEL_TEXT)["smoothing_ratio"]
 """Smoothing length over the spacing that ``sph new`` writes for wet slopes."""
 CHESSBOARD = (math.pi, math.pi)
 """Wave vector times the spacing of the pattern in which each particle moves against its four neighbours."""
