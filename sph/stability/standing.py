@@ -51,6 +51,8 @@ MAX_OBSERVATION = 1e4
 """Longest free observation, s."""
 SMOOTHING_RATIO = 1.3
 """Smoothing length of a static test over the spacing, with which V9, V17 and V22 are met; with a wider kernel the lattice rearranges."""
+WALL_LAYERS = 2
+"""Layers of boundary particles that fill the support of that kernel."""
 VISCOSITY = 0.3
 """Coefficient of artificial viscosity of a static test."""
 REARRANGEMENT = 0.1
@@ -153,6 +155,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, sof
         "numerics.artificial_viscosity.alpha": VISCOSITY,
         "numerics.smoothing_ratio": SMOOTHING_RATIO,
         "numerics.smoothing_length_is": "half_support",
+        "walls.layers": max(scene.walls.layers, WALL_LAYERS),
     }
     if any(kind.absorbs for kind in scene.walls.kinds):  # holds no load that stays: a rigid base and sides on rollers instead
         changes |= {"walls.base": RESOLVED["walls"]["base"], "walls.sides": RESOLVED["walls"]["sides"], "walls.bedrock": None}

@@ -62,7 +62,7 @@ def smallest(ratio: float, stretch: np.ndarray | None = None) -> float:
 
 
 def test_a_kernel_holds_the_lattice_under_pressure() -> None:
-    # Nothing grows on the lattice, nor where the ground has been stretched by 1 %; sheared by 5 %, a quarter as fast as with 1.3 spacings.
+    # Nothing grows on the lattice, nor where the ground has been stretched by 1 %; sheared by 5 %, half as fast as with 1.3 spacings.
     assert smallest(HOLDS) == pytest.approx(0.0, abs=1e-9)
     for strain in (-0.01, 0.01):
         assert smallest(HOLDS, np.diag([1 + strain, 1 / (1 + strain)])) > -5e-4

@@ -140,10 +140,13 @@ def test_the_static_test_samples_as_rarely_as_frames_and_the_gravity_stage_allow
     assert outputs.frame_interval == 0.25 and outputs.series_interval == pytest.approx(sample)
 
 
-@pytest.mark.parametrize(("ratio", "reading"), [(2.3, "half_support"), (1.22, "half_support"), (2.4, "support")])
+@pytest.mark.parametrize(("ratio", "reading"), [(2.3, "half_support"), (1.22, "half_support"), (2.4, "support"), (0.75, "half_support")])
 def test_the_static_test_has_its_own_kernel_and_viscosity(ratio: float, reading: str) -> None:
-    wide = layer({"numerics.smoothing_ratio": ratio, "numerics.smoothing_length_is": reading, "geometry.width": 12.0, "walls.layers": 5})
-    numerics = static_scene(wide, FailureRule()).numerics
+    keys = {"numerics.smoothing_ratio": ratio, "numerics.smoothing_length_is": reading, "geometry.width": 12.0}
+    wide = layer(keys | {"walls.layers": 1 if ratio < 1 else 5})
+    static = static_scene(wide, FailureRule())
+    numerics = static.numerics
+    assert static.walls.layers == max(wide.walls.layers, static.layers_filling_support)
     assert numerics.artificial_viscosity is not None and numerics.artificial_viscosity.alpha == VISCOSITY
     assert numerics.smoothing_length == SMOOTHING_RATIO * wide.numerics.spacing
     without = static_scene(layer({"numerics.artificial_viscosity": None}), FailureRule()).numerics.artificial_viscosity
