@@ -24,8 +24,8 @@ from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, app
 from sph.stability.slip_surface import soil_along
 from sph.stability.standing import slope_height, weakened, with_strength
 
-MAX_DIFFERENCE = 0.05
-"""Of a factor of safety by SPH from Spencer's, over that, which is told."""
+MAX_DIFFERENCE = {"factor-of-safety": 0.05, "yield-acceleration": 0.2}
+"""Of a limit by SPH from Spencer's, over that, which is told; a few per cent of strength are much of a small yield acceleration."""
 STIFFER = 1.5
 """Impedance of bedrock over that of the lowest soil from which on a slip surface ends at it."""
 STABLE = 0.3
@@ -67,16 +67,20 @@ def without_surface(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[
 
 
 def of_equilibrium(scene: Scene, limits: Iterable[Finding] = ()) -> list[Finding]:
-    """A note of both methods, and a finding where a factor of safety among ``limits`` differs from Spencer's by more than its error."""
+    """A note of both methods, and a finding for each of ``limits`` that differs from Spencer's by more than its error."""
     equilibrium = found_equilibrium(scene)
     if equilibrium is None:
         return without_surface(scene, equilibrium)
     told = [finding("limit-equilibrium", **equilibrium_numbers(equilibrium)), *slip_at_base(scene, equilibrium)]
-    for value, error in ((of.numbers["value"], of.numbers["error"]) for of in limits if of.code == "factor-of-safety"):
-        spencer = equilibrium.spencer.value
-        if abs(value / spencer - 1.0) > max(MAX_DIFFERENCE, error / spencer):
-            reasons = _reasons(scene, equilibrium, value / spencer - 1.0)
-            differs = finding("limit-equilibrium-differs", value=value, error=error, bound=spencer, **reasons)
+    spencer = {"factor-of-safety": equilibrium.spencer.value, "yield-acceleration": GRAVITY * equilibrium.critical.value}
+    for limit in limits:
+        bound = spencer.get(limit.code, math.inf)
+        if not 0.0 < bound < math.inf:
+            continue
+        value, error = limit.numbers["value"], limit.numbers["error"]
+        if abs(value - bound) > max(MAX_DIFFERENCE[limit.code] * bound, error):
+            reasons = _reasons(scene, equilibrium, limit.code, value / bound - 1.0)
+            differs = finding("limit-equilibrium-differs", limit=limit.code, value=value, error=error, bound=bound, **reasons)
             told.append(replace(differs, keys=("numerics.spacing",)) if differs.counts else differs)
     return told
 
@@ -164,18 +168,19 @@ def strength_ratios(scene: Scene) -> dict[str, Any]:
     return ({"S_R": scene.coupling.S_R} if len(using) > len(own) else {}) | own
 
 
-def _reasons(scene: Scene, equilibrium: LimitEquilibrium, difference: float) -> dict[str, Any]:
-    """Names of why the two can differ as they do in this scene (``sph.checks.messages.REASONS``), and the layers that are thin."""
+def _reasons(scene: Scene, equilibrium: LimitEquilibrium, limit: str, difference: float) -> dict[str, Any]:
+    """Names of why the two can differ in a limit as they do (``sph.checks.messages.REASONS``), and the layers that are thin."""
     loose = any(soil.friction_angle > soil.dilation_angle for soil in scene.soils)
     thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < MIN_IN_LAYER]
-    surface = equilibrium.spencer
+    surface = equilibrium.spencer if limit == "factor-of-safety" else equilibrium.critical
     bent = surface.where != "circle" and surface.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
     reasons = {
         "dilation": difference < 0 and loose,
-        "crack": difference > 0 and equilibrium.spencer.crack > 0,
+        "crack": difference > 0 and surface.crack > 0,
         "thin": difference > 0 and bool(thin),
         "spacing": difference > 0,
         "deforms": difference > 0 and bent,
         "walls": scene.walls.friction is not None,
+        "lever": limit == "yield-acceleration",
     }
     return {"reasons": " ".join(name for name, applies_here in reasons.items() if applies_here), "thin": ", ".join(thin)}

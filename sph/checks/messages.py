@@ -104,11 +104,15 @@ def _simplified(of: Numbers) -> str:
     return f"factor of safety {{value:.2f}} at a depth of {{depth:.3g}} m{part}; as level ground, magnitude {{magnitude:g}}, {{peak:m/s2}}"
 
 
-TEXTS: dict[str, Callable[[float, float], str]] = {
-    "factor-of-safety": "{:.2f} ± {:.2f}".format,
-    "yield-acceleration": in_both,
-}
-"""A limit of a slope with its error, by the code of its finding."""
+def limit_text(limit: str, value: float, error: float | None = None) -> str:
+    """A limit of a slope, by the code of its finding, with its error where that is given."""
+    if limit == "yield-acceleration":
+        return in_both(value, error)
+    return f"{value:.2f}" if error is None else f"{value:.2f} ± {error:.2f}"
+
+
+LIMITS = {"factor-of-safety": "factor of safety", "yield-acceleration": "yield acceleration"}
+"""What the limits of a slope are called, by the codes of their findings."""
 UNKNOWN = {
     "stability": ("the stability of the slope", "not tested: {reason}"),
     "factor-of-safety": ("static factor of safety", "not found: {reason}"),
@@ -131,8 +135,9 @@ REASONS = {
     "spacing": "SPH searches overestimate the factor at coarse spacings",
     "deforms": "without friction, a non-circular surface forces the sliding mass to deform, which the methods of slices ignore",
     "walls": "soil also slides on the walls (walls.friction), which limit equilibrium does not model",
+    "lever": "a few per cent of the strength are a large part of a yield acceleration",
 }
-"""Why a factor of safety by SPH may differ from Spencer's."""
+"""Why a limit by SPH may differ from Spencer's."""
 SIDES = {"front": "the end of the box in front of the toe", "back": "the end of the box behind the crest", "over": "the top of a side"}
 """Sides of the box, by their names in the metric ``reached_side``."""
 SURFACES = {"bishop": "Bishop's factor of safety", "spencer": "Spencer's factor of safety", "critical": "Spencer's yield acceleration"}
@@ -211,7 +216,7 @@ def _less_mobilised(of: Numbers) -> str:
 
 def limit_words(of: Finding) -> str:
     """A limit of a slope with its error."""
-    return TEXTS[of.code](of.numbers["value"], of.numbers["error"])
+    return limit_text(of.code, of.numbers["value"], of.numbers["error"])
 
 
 def limit_how(of: Numbers) -> str:
@@ -220,7 +225,7 @@ def limit_how(of: Numbers) -> str:
 
 
 def _limit(code: str) -> Text:
-    return lambda of: f"{TEXTS[code](of['value'], of['error'])}, {limit_how(of)}"
+    return lambda of: f"{limit_text(code, of['value'], of['error'])}, {limit_how(of)}"
 
 
 def search_words(facts: Mapping[str, Any]) -> tuple[str, str]:
@@ -232,9 +237,8 @@ def search_words(facts: Mapping[str, Any]) -> tuple[str, str]:
         return f"not found: {facts['reason']}", ""
     limit, value = str(facts["by"]).replace("_", "-"), float(facts["value"])
     if "error" in facts:
-        return TEXTS[limit](value, float(facts["error"])), str(facts["how"])
-    text = in_both(value) if limit == "yield-acceleration" else f"{value:.2f}"
-    return text, "at the spacing of the runs alone, which makes slopes too strong"
+        return limit_text(limit, value, float(facts["error"])), str(facts["how"])
+    return limit_text(limit, value), "at the spacing of the runs alone, which makes slopes too strong"
 
 
 def _surface(of: Numbers, name: str) -> str:
@@ -273,12 +277,13 @@ def yield_words(of: Numbers) -> str:
 
 def _reasons(of: Numbers) -> str:
     known = "; ".join(REASONS[name] for name in of["reasons"].split())
-    return "{value:.2f} ± {error:.2f} and {bound:.2f}: " + (known or "no reason is known: look at both slip surfaces")
+    both = f"{limit_text(of['limit'], of['value'], of['error'])} and {limit_text(of['limit'], of['bound'])}"
+    return f"{both}: " + (known or "no reason is known: look at both slip surfaces")
 
 
 def _contradicts(of: Numbers) -> bool:
     """Whether a slope stands by its factor of safety by SPH and does not by Spencer's."""
-    return of["value"] >= 1.0 > of["bound"]
+    return of["limit"] == "factor-of-safety" and of["value"] >= 1.0 > of["bound"]
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
@@ -415,13 +420,13 @@ MESSAGES: dict[str, Message] = {
     "limit-equilibrium-differs": Message(
         lambda of: WARNING if _contradicts(of) else NOTE,
         lambda of: (
-            f"the factor of safety by SPH lies {abs(off := of['value'] / of['bound'] - 1.0):.0%} "
+            f"the {LIMITS[of['limit']]} by SPH lies {abs(off := of['value'] / of['bound'] - 1.0):.0%} "
             f"{'above' if off > 0.0 else 'below'} Spencer's" + ", by which the slope does not stand" * _contradicts(of)
         ),
         _reasons,
         lambda of: "to agree at a smaller spacing; until it does, trust Spencer's and mend the slope or its strength" * _contradicts(of),
-        meaning="the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons; a warning where the slope "
-        "stands by SPH alone",
+        meaning="the factor of safety by SPH differs by over 5 % from Spencer's, or the yield acceleration by over 20 %, with the "
+        "possible reasons; a warning where the slope stands by SPH alone",
     ),
     "block-runs-away": note(
         "by limit equilibrium the slope fails in this shaking, and a run in which it stands has too few rows of particles in the soil that "

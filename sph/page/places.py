@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 
@@ -82,22 +83,42 @@ def _at(runs: pd.DataFrame, place: str, reached_from: str, contradicted: bool) -
 
 
 def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:
-    """How far short of a place the debris stops that goes farthest of runs that do not reach it, and how certain that is."""
+    """How far short of a place the debris stops that goes farthest of runs that do not reach it, and how certain that is: unknown where
+    some are held back or still move, and then what those at rest do only if they come nearer."""
     short = runs[~there & runs[column_of(place, REACHED)].notna()]
     if short.empty:
         return NOTHING
     braked = held(short)
-    moving = short[(short["at_rest"] == 0) & ~braked]
-    passed = column_of(place, PASSED)
-    farthest = short.sort_values(passed, na_position="first").to_dict("records")[-1]
-    gap = -float(farthest[passed])
-    away = f"{metres(gap)} m short" if gap > 0.0 and has_debris(farthest) else ""
-    if braked.any() or len(moving):
-        reason = " and ".join([*["held back"] * bool(braked.any()), *["still moving"] * bool(len(moving))])
-        count = f" in {int(braked.sum()) + len(moving)} of {len(short)} runs" if len(short) > 1 else ""
-        return f"unknown{count}, {reason}{f'; {away} at the end' if away else ''}"
+    moving = ~braked & (short["at_rest"] == 0)
+    unsure = braked | moving
+    if not unsure.any():
+        return _at_rest(short, place)
+    reason = " and ".join([*["held back"] * bool(braked.any()), *["still moving"] * bool(moving.any())])
+    count = f" in {unsure.sum()} of {len(short)} runs" if len(short) > 1 else ""
+    away = _away(_farthest(short[unsure], place), place)
+    said = f"unknown{count}, {reason}{f'; {away} at the end' if away else ''}"
+    passed = short[column_of(place, PASSED)]
+    nearer = bool(passed[~unsure].max() > passed[unsure].max())  # not where all are unsure: NaN
+    return f"{said}; of those at rest: {_at_rest(short[~unsure], place)}" if nearer else said
+
+
+def _farthest(runs: pd.DataFrame, place: str) -> dict[Any, Any]:
+    """The run whose debris comes nearest to a place."""
+    return runs.sort_values(column_of(place, PASSED), na_position="first").to_dict("records")[-1]
+
+
+def _away(run: Mapping[Any, Any], place: str) -> str:
+    """How far short of a place the debris of a run is; nothing where none comes down or its depth does not count."""
+    gap = -float(run[column_of(place, PASSED)])
+    return f"{metres(gap)} m short" if gap > 0.0 and has_debris(run) else ""
+
+
+def _at_rest(runs: pd.DataFrame, place: str) -> str:
+    """How far short of a place debris at rest is that goes farthest."""
+    farthest = _farthest(runs, place)
+    gap, away = -float(farthest[column_of(place, PASSED)]), _away(farthest, place)
     if error := near_miss(farthest, place):
         return f"may be reached: stops {away}, within its error of {100.0 * error:.0f} %"
-    if not any(map(has_debris, short.to_dict("records"))):
+    if not any(map(has_debris, runs.to_dict("records"))):
         return f"no soil that fails comes within {metres(gap)} m" if gap > 0.0 else "no soil that fails comes near"
     return f"stops {away}" if away else "no depth that counts"

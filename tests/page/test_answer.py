@@ -124,7 +124,13 @@ def test_a_place_that_moving_or_braked_debris_may_still_reach_is_not_out_of_reac
     assert row_of(braked)[SHORT] == "unknown in 4 of 4 runs, held back; 10.0 m short at the end"
     assert why in at_places(braked, why)[0].note and "held back" not in at_places(RUNS, why)[0].note
     one = RUNS.assign(findings=["", "", "", "layer-held", "", ""])
-    assert row_of(one)[SHORT] == "unknown in 1 of 4 runs, held back; 10.0 m short at the end"
+    assert row_of(one)[SHORT] == "unknown in 1 of 4 runs, held back; 20.0 m short at the end; of those at rest: stops 10.0 m short"
+    assert RUNS["house_passed"].idxmax() == 5, "the run that comes nearest"
+    nearer = RUNS.assign(at_rest=[1, 1, 1, 0, 0, 1], **MOVING)
+    gap = -RUNS["house_passed"][[3, 4]].max()
+    assert (
+        row_of(nearer)[SHORT] == f"unknown in 2 of 4 runs, still moving; {gap:.1f} m short at the end; of those at rest: stops 10.0 m short"
+    )
     both = RUNS.assign(at_rest=[1, 1, 1, 0, 0, 0], **MOVING, findings=["", "", "layer-held", "layer-held", "", ""])
     assert row_of(both)[SHORT].startswith("unknown in 4 of 4 runs, held back and still moving")
 

@@ -271,6 +271,23 @@ def test_a_difference_from_the_particles_is_told_with_what_applies() -> None:
     assert stronger.severity == "note" and words(stronger).wanted == words(stronger).key == ""
 
 
+def test_a_yield_acceleration_is_compared_by_its_own_measure() -> None:
+    spencer = GRAVITY * limit_equilibrium(STEEP).critical.value
+
+    def told(share: float, error: float) -> list[Finding]:
+        value = finding("yield-acceleration", value=share * spencer, error=error * spencer)
+        return [each for each in of_equilibrium(STEEP, [value]) if each.code == "limit-equilibrium-differs"]
+
+    assert told(0.85, 0.05) == told(0.6, 0.5) == told(1.19, 0.0) == []
+    (lower,) = told(0.58, 0.05)
+    assert lower.severity == "note" and words(lower).what == "the yield acceleration by SPH lies 42% below Spencer's"
+    assert (
+        "Davis 1968" in words(lower).measured
+        and "large part of a yield acceleration" in words(lower).measured
+        and " g)" in words(lower).measured
+    )
+
+
 def test_a_slope_that_stands_by_the_particles_alone_is_a_warning() -> None:
     """The steep slope with four tenths of its cohesion."""
     weak = make_scene(merge(STEEP.model_dump(), {"soil": {"cohesion": 0.4 * STEEP.soil.cohesion / 1e3}}))

@@ -309,7 +309,7 @@ def test_the_status_counts_what_the_workflow_makes(finished: Path, copied: Path)
     rows = {row["job"]: row for row in json.loads(said(*asked, "--json"))["jobs"]}
     files = {path.stem for kind in ("runs", "stages") for path in (finished / "results" / "small" / "draft" / kind).glob("*.nc")}
     assert set(rows) == files, "every file that the workflow simulates, and no other"
-    assert all(row["took"] > 0 for row in rows.values())
+    assert all(row["took"] >= 0 for row in rows.values())  # 0: a job shorter than a benchmark's clock shows
     (copied / RUN).unlink()
     assert "7 of 8 done (4 unfailed, 3 complete), 1 waiting" in sph(*asked)
     write_config(copied, fidelities={"draft": {"soil": {"cohesion": 140.0}}})
