@@ -177,7 +177,10 @@ def adopt(name: str, origins: Path = MEASURED / "origins.csv") -> None:
     """Copy a table from its results into the package with the solver of its runs; ValueError names what is missing."""
     table = SHIPPED[name]
     if table.parts:
-        return note(name, adopt_cases(sorted(Path(table.folders[0]).glob(table.parts)), table.path, table.renewal), origins)
+        solver, repeated = _noted(name, origins)
+        kept, measured = adopt_cases(sorted(Path(table.folders[0]).glob(table.parts)), table.path, table.renewal)
+        kept = {solver} if solver == solver_digest() else kept  # by which what is kept was repeated
+        return note(name, " and ".join(sorted(kept | measured)), origins, repeated if kept == {solver} else "")
     source = Path(table.folders[0]) / table.path.name
     if not source.is_file():
         raise ValueError(f"{source}: no such file; run '{table.renewal}'")
@@ -186,17 +189,26 @@ def adopt(name: str, origins: Path = MEASURED / "origins.csv") -> None:
     note(name, solver, origins)
 
 
-def adopt_cases(parts: Sequence[Path], path: Path, renewal: str) -> str:
-    """Put the measured cases in the place of their rows in the table; returns the digests of all solvers that made its runs."""
+def _noted(name: str, origins: Path) -> tuple[str, str]:
+    """Solver of a table, and what of it was repeated, if the table is as it was when they were noted; else nothing."""
+    rows = read_origins(origins)
+    noted = rows[(rows["table"] == name) & (rows["content"] == content_digest(SHIPPED[name].path))].to_dict("records")
+    return (str(noted[0]["solver"]), str(noted[0]["repeated"])) if noted else ("", "")
+
+
+def adopt_cases(parts: Sequence[Path], path: Path, renewal: str) -> tuple[set[str], set[str]]:
+    """Put the measured cases in the place of their rows in the table; returns the digests of the solvers that made the runs of the others
+    and of these."""
     if not parts:
         raise ValueError(f"no case has been measured; run '{renewal}'")
     measured = pd.concat(map(read_validation, parts), ignore_index=True)
-    kept = read_validation(path)
-    rows = pd.concat([kept[~kept["case"].isin(measured["case"])], measured], ignore_index=True)
+    before = read_validation(path)
+    kept = before[~before["case"].isin(measured["case"])]
+    rows = pd.concat([kept, measured], ignore_index=True)
     order = rows["case"].str.removeprefix("V").astype(int)
-    rows = rows.loc[order.sort_values(kind="stable").index]
-    write_csv(rows, path)
-    return " and ".join(sorted({digest for code in rows["code"] for digest in re.findall(r"solver (\w+)", code)}))
+    write_csv(rows.loc[order.sort_values(kind="stable").index], path)
+    first, second = ({digest for code in of["code"] for digest in re.findall(r"solver (\w+)", code)} for of in (kept, measured))
+    return first, second
 
 
 def chosen_runs(runs: Sequence[Path]) -> list[Path]:

@@ -127,6 +127,24 @@ def test_measured_cases_take_the_place_of_their_rows(tmp_path: Path, monkeypatch
     assert states(tmp_path / "origins.csv")["validation"][0] == OLDER
 
 
+def test_cases_that_were_repeated_stay_so_when_others_are_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    path, origins = tmp_path / "validation.csv", tmp_path / "origins.csv"
+    before = read_validation(SHIPPED_VALIDATION).assign(code="sph 0.1, solver earlier, 2020-01-01")
+    write_csv(before[before["case"].isin(["V1", "V2"])], path)
+    monkeypatch.setitem(SHIPPED, "validation", SHIPPED["validation"]._replace(path=path))
+    note("validation", solver_digest(), origins, "5 runs of earlier")
+    part = tmp_path / "results/validation/cases/V2.csv"
+    part.parent.mkdir(parents=True)
+    write_csv(before[before["case"] == "V2"].assign(code=f"sph 9.9, solver {solver_digest()}, 2030-01-01"), part)
+    adopt("validation", origins)
+    (row,) = read_origins(origins).to_dict("records")
+    assert (row["solver"], row["repeated"]) == (solver_digest(), "5 runs of earlier") and states(origins)["validation"][0] == CURRENT
+    path.write_text(path.read_text().replace("V1,", "V1 ,", 1))  # by hand: nobody knows what its rows were made by
+    adopt("validation", origins)
+    assert states(origins)["validation"][0] == OLDER
+
+
 def test_without_a_measured_case_there_is_nothing_to_adopt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match="no case has been measured; run 'snakemake"):
