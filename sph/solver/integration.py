@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from sph.scene.loading import Loading
-from sph.solver.boundaries.dashpots import kick_boundary
+from sph.solver.boundaries.dashpots import kick_boundary, resist_bending
 from sph.solver.boundaries.free_field import kick_free_field, strain_free_field
 from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
 from sph.solver.boundaries.friction import WallFriction, apply_wall_friction, set_friction
@@ -148,6 +148,7 @@ def take_gradients(state: State, pairs: Pairs, terms: Terms, team: Team) -> None
     strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)
     mirror_velocity(terms.free_slip, state, pairs, terms.n_soil, first, last, team)
     weigh_soils(terms.interface, terms, state, pairs, first, last, team)
+    resist_bending(terms.absorbing_walls, state, terms.n_soil, terms.dt, first, last)
     velocity_gradients(state, pairs, terms, team.gradient, first, last)
     keep_strain_rate(terms.residual_viscosity, pairs, state.density, team.gradient, team.strain_rate, first, last)
 

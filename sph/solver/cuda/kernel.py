@@ -27,7 +27,7 @@ import numpy as np
 from numba import cuda
 
 from sph.scene.loading import Loading
-from sph.solver.boundaries.dashpots import kick_boundary
+from sph.solver.boundaries.dashpots import kick_boundary, resist_bending
 from sph.solver.boundaries.free_field import kick_free_field, strain_free_field
 from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
 from sph.solver.boundaries.friction import set_friction
@@ -380,6 +380,7 @@ def advance_run(run, fixed, lists, pairs, loading, asked, flags, blocks, r):
                 weigh_soils(terms.interface, terms, state, pairs, i, i + 1, member)
             turn = meet(flags, r, blocks, turn)
         for i in range(rank, n, threads):
+            resist_bending(terms.absorbing_walls, state, terms.n_soil, terms.dt, i, i + 1)
             velocity_gradients(state, pairs, terms, member.gradient, i, i + 1)
             keep_strain_rate(terms.residual_viscosity, pairs, state.density, member.gradient, member.strain_rate, i, i + 1)
         turn = meet(flags, r, blocks, turn)

@@ -230,7 +230,7 @@ def _arm_and_fail(state: State, terms: Terms, reached: np.ndarray, first: int, l
         if state.phase[i] == UNARMED:
             state.phase[i] = YIELDED if _fails(terms, state, i, reached[i]) else ARMED
         elif state.phase[i] == HELD:
-            limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
+            limit = 1.0 if arming else OFF_THE_SURFACE
             soil = material_of(terms.layers, terms.soil, i)
             p = limit_tension(soil.solid, pressure(soil.bulk_modulus, state.density[i], terms.reference_density))
             demand = shear_demand(soil.solid, solid_deviator(state, i))
