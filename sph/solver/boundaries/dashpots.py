@@ -30,8 +30,8 @@ m/s on bedrock of 80 to 250 m/s that failed pushed their base away.  To -r_i is 
 
     -(V_s / 4 dx)^2 (fourth difference of u_i along the row),
 
-with V_s of the softest soil there and free ends, as of a beam.  It is that of the soil's shear stiffness for columns that alternate, 2 % of it for a
-wave of eight spacings, and nothing for ground that moves or tilts as a whole.
+with V_s of the softest soil there, and free ends as those of a beam.  Columns that alternate meet the stiffness of that soil in shear,
+waves of eight spacings 2 % of it, and ground that moves or tilts as a whole nothing.
 
 Each traction is spread over the layers by w_i as the kernel would spread the stress of the particles that are missing outside:
 w_i is the sum of their kernel gradients.  Of the energy of a pulse five spacings wide 0.28 % then stay in a column, and 1.1 % at h = 2.3
