@@ -58,7 +58,7 @@ class Trouble(NamedTuple):
     fault: Fault
     value: float = math.nan  # V_p, m/s, or the share of the energies
     particle: int | None = None  # none for a fault of all
-    place: tuple[float, float] = (math.nan, math.nan)  # where the particle was at first, m
+    place: tuple[float, float] = (math.nan, math.nan)  # where the particle was at first, in the coordinates of the ground, m
 
     def __str__(self) -> str:
         """The fault in words."""
@@ -76,23 +76,23 @@ def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[st
     fields = np.array([getattr(state, name)[soil] for name in ("x", "y", "vx", "vy", "density", "ax", "ay")])
     wrong = ~np.isfinite(fields).all(axis=0)
     if wrong.any():
-        return _at(particles, int(np.argmax(wrong)), Fault.NOT_A_NUMBER)
+        return _at(scene, particles, int(np.argmax(wrong)), Fault.NOT_A_NUMBER)
     if jumped:
         moved = np.hypot(state.x - state.x_pairs, state.y - state.y_pairs)[soil]
-        return _at(particles, int(np.argmax(moved)), Fault.JUMPED)
+        return _at(scene, particles, int(np.argmax(moved)), Fault.JUMPED)
     speed = np.hypot(state.vx, state.vy)[soil]
     wave = scene.largest_p_wave_speed
     if not speed.max() < MAX_SPEED_RATIO * wave:
-        return _at(particles, int(np.argmax(speed)), Fault.TOO_FAST, wave)
+        return _at(scene, particles, int(np.argmax(speed)), Fault.TOO_FAST, wave)
     outside = _behind_walls(scene, particles, state)
     if outside.any():
-        return _at(particles, int(np.argmax(outside)), Fault.LEFT_THE_BOX)
+        return _at(scene, particles, int(np.argmax(outside)), Fault.LEFT_THE_BOX)
     smallest = 0.5 * float(particles.mass[soil].sum()) * (SMALL_SPEED * wave) ** 2
     return _energy_made(series, smallest)
 
 
-def _at(particles: Particles, i: int, fault: Fault, value: float = math.nan) -> Trouble:
-    return Trouble(fault, value, i, (float(particles.x[i]), float(particles.y[i])))
+def _at(scene: Scene, particles: Particles, i: int, fault: Fault, value: float = math.nan) -> Trouble:
+    return Trouble(fault, value, i, scene.geometry.in_survey(float(particles.x[i]), float(particles.y[i])))
 
 
 def _behind_walls(scene: Scene, particles: Particles, state: State) -> np.ndarray:
