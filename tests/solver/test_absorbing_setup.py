@@ -9,7 +9,7 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
-from sph.solver.boundaries.dashpots import kick_boundary, make_absorbing, moved_rows
+from sph.solver.boundaries.dashpots import kick_boundary, make_absorbing, moved_rows, resist_bending
 from sph.solver.boundaries.free_field import lattice_rows, layer_weights, make_free_field
 from sph.solver.initial_state import initial_state
 from sph.solver.integration import Loads
@@ -74,6 +74,35 @@ def test_dashpots_add_up_to_the_impedance() -> None:
             np.testing.assert_allclose((term.side * mass)[:, side].sum(1), np.array(impedances) * dx)
             assert (term.outward * mass)[side].sum() == pytest.approx(sign * dx)
     assert not term.base[:, kind == SIDE].any() and not term.side[:, (x > 0) & (x < 15)].any()
+
+
+def test_a_base_resists_bending_and_no_other_motion() -> None:
+    # Columns that alternate meet 16 times the stiffness; moved or tilted as a whole they meet nothing; what it does is an inner force that
+    # takes energy from any motion which bends.
+    scene, dt = slope({}), 1e-3
+    particles = place_particles(scene)
+    walls = make_absorbing(scene, particles, make_kernel("cubic_spline", 2.6), dt)
+    assert walls.bending == pytest.approx((scene.soil.s_wave_speed / 8.0) ** 2)
+    state, n_soil = initial_state(particles, scene), particles.n_soil
+    base = slice(n_soil, n_soil + walls.in_base)
+    column = np.arange(walls.in_base) // walls.layers
+
+    def change(v: np.ndarray) -> np.ndarray:
+        state.vy[base], state.vx[base] = v, -2.0 * v
+        state.reaction_y[:], state.reaction_x[:] = 0.0, 0.0
+        resist_bending(walls, state, n_soil, dt, 0, state.x.size)
+        np.testing.assert_allclose(state.reaction_x, -2.0 * state.reaction_y, atol=1e-9)
+        assert not state.reaction_y[walls.in_base :].any()
+        return state.reaction_y[: walls.in_base].copy()
+
+    inner = (column >= 2) & (column < column[-1] - 1)
+    alternating = (-1.0) ** column
+    np.testing.assert_allclose(change(alternating)[inner], 16.0 * walls.bending * dt * alternating[inner])
+    np.testing.assert_allclose(change(3.0 + 0.5 * column), 0.0, atol=1e-6)
+    bent = np.random.default_rng(1).standard_normal(walls.in_base)
+    rows = change(bent).reshape(-1, walls.layers)
+    np.testing.assert_allclose(rows.sum(axis=0), 0.0, atol=1e-6 * np.abs(rows).max())
+    assert np.all((rows * bent.reshape(rows.shape)).sum(axis=0) > 0.0)
 
 
 def test_sides_are_as_high_as_the_ground_and_so_are_their_columns() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from small_scenes import SceneBuilder
 
+from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
 from sph.solver.guard import PARTS, Fault, Trouble, likely_cause, trouble
 from sph.solver.initial_state import initial_state
@@ -41,6 +42,14 @@ def test_what_is_not_a_number(boxed: tuple[Scene, Any, State], name: str, value:
     found = trouble(*boxed, AT_REST)
     assert found is not None and (found.fault, found.particle) == (Fault.NOT_A_NUMBER, 37)
     assert str(found).startswith("particle 37, at first at (") and str(found).endswith(" m, is not a number")
+
+
+def test_a_particle_is_named_by_its_place_in_the_survey(boxed: tuple[Scene, Any, State]) -> None:
+    scene, particles, state = boxed
+    state.x[37] = np.nan
+    ground = GroundLine(shape="ground_line", points=((400.0, 60.0), (405.0, 60.0), (410.0, 55.0), (420.0, 55.0)), base=50.0, downhill="right")
+    found = trouble(scene.model_copy(update={"geometry": ground}), particles, state, AT_REST)
+    assert found is not None and found.place == pytest.approx((420.0 - particles.x[37], 50.0 + particles.y[37]))
 
 
 def test_a_jump_names_the_particle_that_moved_furthest(boxed: tuple[Scene, Any, State]) -> None:
