@@ -20,7 +20,6 @@ import yaml
 from sph.command.new import KERNEL_TEXT
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
-from sph.scene.scheme import RESOLVED
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.physics.kernels import evaluate, make_kernel
 from sph.solver.simulation import Simulation

@@ -47,7 +47,9 @@ def test_what_is_not_a_number(boxed: tuple[Scene, Any, State], name: str, value:
 def test_a_particle_is_named_by_its_place_in_the_survey(boxed: tuple[Scene, Any, State]) -> None:
     scene, particles, state = boxed
     state.x[37] = np.nan
-    ground = GroundLine(shape="ground_line", points=((400.0, 60.0), (405.0, 60.0), (410.0, 55.0), (420.0, 55.0)), base=50.0, downhill="right")
+    ground = GroundLine(
+        shape="ground_line", points=((400.0, 60.0), (405.0, 60.0), (410.0, 55.0), (420.0, 55.0)), base=50.0, downhill="right"
+    )
     found = trouble(scene.model_copy(update={"geometry": ground}), particles, state, AT_REST)
     assert found is not None and found.place == pytest.approx((420.0 - particles.x[37], 50.0 + particles.y[37]))
 
