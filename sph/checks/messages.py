@@ -630,6 +630,13 @@ MESSAGES: dict[str, Message] = {
         "{value:g} layers",
         "{bound:g}",
     ),
+    "lattice-rearranges": warning(
+        "particles of wet ground that fails may move against their neighbours like a chessboard, also far from the slide, so that standing "
+        "ground counts as failed or moving",
+        "{value:.3g} spacings",
+        "{bound:g} of the cubic spline",
+        meaning="wet ground that loses strength by slip has a smoothing length with which its particles rearrange under pressure",
+    ),
     "short-correlation": warning(
         "{subject} varies over lengths that the particles do not resolve",
         "correlation length {value:g} m",

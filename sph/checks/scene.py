@@ -55,6 +55,9 @@ docs/evidence/cost-accuracy.md), and a slope of 8 m with S_R 0.05 to 0.40 (8.3 t
 27 % more than theirs; where it is closest, a run whose sums are rounded otherwise goes 1 % further or less far."""
 DROWNED = 0.5
 """Part of the friction that debris keeps where the scene has water: that of saturated soil under water, whose weight is about half."""
+HOLDS, MARGIN = 1.22, 0.02
+"""Smoothing length of the cubic spline over the spacing with which ground that has failed stays on its lattice under pressure, and how far
+below it does so as well (docs/model/choices.md, tests/physics/test_lattice_under_pressure.py)."""
 SHARE_OF_LIMIT = 0.8
 """Largest part of the lattice's limit for a fixed time step: debris is 1.2 times as stiff (``sph.solver.time_step``)."""
 
@@ -225,6 +228,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + [each for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True) for each in _waves(scene, name, soil)]
         + (_slope(scene, scene.geometry) + of_rows(scene) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
+        + _lattice(scene)
         + of_softening(scene)
         + of_loss(scene)
         + of_variation(scene)
@@ -248,6 +252,17 @@ def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
     numbers = {"frequency": frequency, "wavelength": length, "slower": 1.0 - wave_speed_ratio(scene, length)}
     keys = ("numerics.spacing", "numerics.smoothing_ratio")
     return [finding("short-waves", *keys, subject=name, value=lengths, bound=MIN_IN_WAVE, **numbers)]
+
+
+def _lattice(scene: Scene) -> list[Finding]:
+    """The finding of wet ground that loses strength by slip, whose particles rearrange with another kernel than one that holds them."""
+    numerics = scene.numerics
+    ratio = numerics.smoothing_length / numerics.spacing
+    holds = numerics.kernel == "cubic_spline" and ratio * (1 + 1e-9) >= HOLDS - MARGIN and ratio <= HOLDS * (1 + 1e-9)
+    slips = any(each.softening is not None and each.softening.slip_at_residual is not None for each in scene.materials)
+    if holds or scene.water is None or not slips:
+        return []
+    return [finding("lattice-rearranges", "numerics.smoothing_ratio", value=ratio, bound=HOLDS)]
 
 
 def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:

@@ -18,7 +18,7 @@ import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.layers import MIN_IN_LAYER, broken, of_cover
 from sph.checks.messages import sentence
-from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, room_ahead, to_side
+from sph.checks.scene import HOLDS, PLACEHOLDER, PLACEHOLDER_SOIL, room_ahead, to_side
 from sph.command.options import parse_acceleration, parse_numbers, parse_treatment, parse_values
 from sph.command.schema import schema_file
 from sph.command.sections import BERM_SIDE, Berm, at_depth, berm, plain_slope
@@ -152,7 +152,7 @@ numerics:
 {kernel}probes: {{A: crest_edge}} # to follow a building behind the crest: keep A, and add house: [x, elevation]
 """
 KERNEL_TEXT = """\
-  smoothing_ratio: 1.22 # keeps wet ground that fails on its lattice, which the default of 1.3 does not: docs/model/choices.md
+  smoothing_ratio: {ratio:g} # keeps wet ground that fails on its lattice, which the default of 1.3 does not: docs/model/choices.md
 """
 LAYERS_TEXT = """\
 # layers: # other soils, by depth, elevation or polygon; give only the keys that differ
@@ -609,7 +609,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "jaky": jaky,
         "layers": layers,
         "water": carried,
-        "kernel": KERNEL_TEXT if carried else "",
+        "kernel": KERNEL_TEXT.format(ratio=HOLDS) if carried else "",
         "ratio": ratio,
         "width": width,
         "start": START,

@@ -15,17 +15,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 
-from sph.command.new import KERNEL_TEXT
-from sph.scene.configuration import merge
+from sph.checks.scene import HOLDS, findings
+from sph.scene.configuration import merge, read_scene
 from sph.scene.schema import make_scene
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.physics.kernels import evaluate, make_kernel
 from sph.solver.simulation import Simulation
 
-HOLDS = yaml.safe_load(KERNEL_TEXT)["smoothing_ratio"]
-"""Smoothing length over the spacing that ``sph new`` writes for wet slopes."""
 CHESSBOARD = (math.pi, math.pi)
 """Wave vector times the spacing of the pattern in which each particle moves against its four neighbours."""
 STIFF = 500.0
@@ -117,3 +114,22 @@ def test_a_pattern_in_failed_ground_begins_as_theory_says_and_grows_only_where_t
     print(f"h = {ratio} spacings: {found:.3f} times the start after 0.5 s, theory {theory:.3f}; {later:.2f} after 1.5 s")
     assert found == pytest.approx(theory, abs=0.06)
     assert later > 3.0 if ratio > HOLDS else later < 1.0
+
+
+@pytest.mark.uncompiled
+@pytest.mark.parametrize(
+    ("changes", "warned"),
+    [
+        ({"numerics": {"smoothing_ratio": 1.3}}, True),
+        ({"numerics": {"smoothing_ratio": 1.15}}, True),
+        ({"numerics": {"smoothing_ratio": 1.22, "kernel": "wendland_c2"}}, True),
+        ({"numerics": {"smoothing_ratio": 2.44, "smoothing_length_is": "support"}}, False),
+        ({"numerics": {"smoothing_ratio": 1.2}}, False),
+        ({"numerics": {"smoothing_ratio": 1.3}, "water": None}, False),
+        ({"numerics": {"smoothing_ratio": 1.3}, "coupling": {"gamma": 100.0, "softening": {"slip_at_residual": None}}}, False),
+    ],
+)
+def test_who_is_warned_of_it(changes: dict[str, Any], warned: bool) -> None:
+    wet = read_scene("config/scenes/wet_slope.yaml")
+    told = [each for each in findings(make_scene(merge(wet, changes))) if each.code == "lattice-rearranges"]
+    assert [(each.severity, each.keys) for each in told] == [("warning", ("numerics.smoothing_ratio",))] * warned
