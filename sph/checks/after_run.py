@@ -85,6 +85,11 @@ def has_debris(run: Mapping[Any, Any]) -> bool:
     return run["collapse_class"] in CLASSES[2:] or run["runout"] > 0.0
 
 
+def has_thin_debris(table: pd.DataFrame) -> pd.Series:
+    """Whether the debris of runs is thin (``thin_debris``), by the rows of a study's table."""
+    return table["findings"].map(lambda codes: "thin-debris" in str(codes).split()).astype(bool)
+
+
 def near_miss(run: Mapping[Any, Any], place: str) -> float:
     """The error of a run-out, as a share of it, if the debris stops short of a place by less than that; else 0.
 

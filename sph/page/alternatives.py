@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import has_debris, in_motion, is_at_least, is_bounded, is_held, near_miss
+from sph.checks.after_run import at_least, has_debris, in_motion, is_at_least, is_bounded, is_held, near_miss
 from sph.checks.finding import Finding
 from sph.checks.messages import listed
 from sph.figures.style import AT_LEAST, LEAST, NOTHING, metres
@@ -88,14 +88,14 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, s
         "yield acceleration (SPH)",
         f"displacement of {probe} (m)",
         "run-out from its own toe (m)",
-        "saves of the displacement",
-        "saves of the run-out",
+        "displacement that it saves",
+        "reach of the debris that it saves",
         *(("factor of safety (Bishop, Spencer)", "yield acceleration (Spencer)") if slices else ()),
     )
     said = title_of(others, {key: str(value) for key, value in at.items()})
     notes = [f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest."] if others else []
     notes += [
-        f"With {name} {probe} moves farther than as it is in {count} of {len(runs)} runs."
+        f"With {name} {probe} moves farther than as it is, by more than a tenth, in {count} of {len(runs)} runs."
         for name, runs in groups.items()
         if (count := _farther(base, runs, [dimension.name for dimension in others]))
     ]
@@ -140,6 +140,26 @@ def verdict(table: pd.DataFrame, doubted: Sequence[Doubt] = ()) -> str:
         said.append(f"{listed(names)} {'is' if len(names) == 1 else 'are'} in doubt, see the warnings")
     words = "; ".join(said)
     return f"{words[0].upper()}{words[1:]}." if words else ""
+
+
+def holding(table: pd.DataFrame) -> str:
+    """Up to which weaker shaking in which the scene as it is fails alternatives hold the slope, in a sentence; nothing where none does."""
+    if ALTERNATIVE not in table or AMPLITUDE not in table:
+        return ""
+    known = table[table["diverged"] == 0]
+    levels = sorted(set(known[AMPLITUDE]), key=float)[:-1]
+    fails = (known["collapse_class"] != CLASSES[0]) | at_least(known)
+    failing = {
+        (str(name), level): bool(of.any()) for (name, level), of in fails.groupby([known[ALTERNATIVE].astype(str), known[AMPLITUDE]])
+    }
+    lost = {str(level) for level in known.loc[(known[ALTERNATIVE] == BASE) & (known["collapse_class"] != CLASSES[0]), AMPLITUDE]}
+    held = dict[str, list[str]]()
+    for name in dict.fromkeys(known[ALTERNATIVE].astype(str)):
+        standing = [level for level in levels if str(level) in lost and failing.get((name, level)) is False]
+        if name != BASE and standing:
+            held.setdefault(in_both(float(standing[-1])), []).append(name)
+    said = [f"{listed(names)} {'holds' if len(names) == 1 else 'hold'} it at {level}" for level, names in held.items()]
+    return f"The slope fails as it is in weaker shaking too, where {listed(said)}." if said else ""
 
 
 class Doubt(NamedTuple):
@@ -217,7 +237,7 @@ def saved(base: Mapping[Any, Any], own: Mapping[Any, Any], length: str = "displa
         return f"unknown: in both {reasons[0]}" if reasons[0] == reasons[1] else f"unknown: as it is {reasons[0]}, and with it {reasons[1]}"
     if any(bounds):
         return f"at most {words}" if bounds[1] == (less >= 0.0) else f"{AT_LEAST}{words}"
-    return words if abs(share) >= NOTICED else "nothing"
+    return "none, " * (less < 0.0) + words if abs(share) >= NOTICED else "nothing"
 
 
 def _why(run: Mapping[Any, Any]) -> str:

@@ -9,14 +9,16 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import BRAKED, LATE, at_least, held, is_at_least, is_bounded, is_open, near_miss
+from sph.checks.after_run import BRAKED, LATE, at_least, has_thin_debris, held, is_at_least, is_bounded, is_open, near_miss
+from sph.checks.cover_rows import SCATTER
+from sph.checks.finding import Finding
 from sph.checks.messages import Severity, block_words, braked_words, factor_words, listed, sentence, surer, yield_words
 from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
 from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, ENERGY_LIMIT
 from sph.measures.places import GROUND, REACHED, column_of, places_in
 from sph.measures.sides import BACK
-from sph.page.alternatives import compared, doubts, of_alternative, slices_of, verdict
+from sph.page.alternatives import compared, doubts, holding, of_alternative, slices_of, verdict
 from sph.page.facts import (
     NOT_SEARCHED,
     NOT_TESTED,
@@ -62,6 +64,9 @@ STANDS = "stands-unshaken"
 """The finding of a static test before the runs."""
 SPACINGS = "{fidelity}/spacing.csv"
 """The runs at a second spacing, where the study names one."""
+
+FARTHER_IN_WEAKER = 1.01
+"""Run-out in weaker shaking, over that in the strongest, from which on it is told."""
 
 
 class Answer(NamedTuple):
@@ -111,8 +116,8 @@ def answer(
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
-        ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
-        ("Yield acceleration", f"{critical} by SPH; {yield_words(by_slices)}" if by_slices else critical, statically),
+        ("Factor of safety", _lower_first(factor, factor_words(by_slices), findings, SAFETY) if by_slices else factor, how),
+        ("Yield acceleration", _lower_first(critical, yield_words(by_slices), findings, YIELD) if by_slices else critical, statically),
         *when(strongest(own), probe),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing, by_slices["spencer"] if by_slices else math.inf))),
@@ -127,7 +132,7 @@ def answer(
         else ("differs, see all runs", "")
     )
     alarms = drifts(found(SPACINGS), probe, _points(table, dimensions))
-    beside = "" if doubted else verdict(strongest(table), doubts(table, rows))
+    beside = "" if doubted else " ".join(filter(None, (verdict(strongest(table), doubts(table, rows)), holding(table))))
     return Answer(
         [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
         [_table_raised(each) for each in at_places(table, why, bool(doubted))],
@@ -140,6 +145,13 @@ def answer(
         expected,
         why_unknown,
     )
+
+
+def _lower_first(by_sph: str, by_slices: str, findings: Sequence[Finding], limit_of: str) -> str:
+    """A limit by both methods: that of limit equilibrium first where the one by SPH is told to lie above it."""
+    differs = [of.numbers for of in findings if of.code == "limit-equilibrium-differs" and of.numbers["limit"] == SEARCHES[limit_of].code]
+    above = any(of["value"] > of["bound"] for of in differs)
+    return f"{by_slices}; {by_sph} by SPH" if above else f"{by_sph} by SPH; {by_slices}"
 
 
 def _unless(to_come: Collection[str], code: str, said: tuple[str, str]) -> tuple[str, str]:
@@ -188,7 +200,9 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
         moving = known[known["at_rest"] == 0]
         if (farthest := known["runout"].max()) > 0.0:
-            words.append(f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe{_beside_others(known)}")
+            words.append(
+                f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe{_beside_others(known)}{_farther_in_weaker(table, known)}"
+            )
         words += _of_places(known)
         if len(moving):
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
@@ -210,11 +224,13 @@ def _of_places(known: pd.DataFrame) -> list[str]:
 
 
 def surer_with(table: pd.DataFrame, rows: Sequence[Row], checked: bool, differs: bool = False, ended: bool = False) -> str:
-    """What would make the results surer, the most effective three: longer runs, without an early stop where runs are ``ended`` by it, a
-    second spacing where the error of the spacing is not ``checked``, a finer one where what was checked ``differs``, and what the warnings
-    ask for, by their rank; nothing where none asks for anything."""
+    """What would make the results surer, the most effective three: a finer spacing where what was checked ``differs`` or debris is thin,
+    longer runs, without an early stop where runs are ``ended`` by it, a second spacing where the error of the spacing is not ``checked``,
+    and what the warnings ask for, by their rank; nothing where none asks for anything."""
     moving = ((table["at_rest"] == 0) & (table["diverged"] == 0)).any()
-    said = ["a finer spacing"] * differs + ["longer runs" + " without an early stop" * ended] * bool(moving)
+    said = ["a finer spacing"] * bool(differs or has_thin_debris(table).any()) + ["longer runs" + " without an early stop" * ended] * bool(
+        moving
+    )
     said += ["runs at a second spacing"] * (not checked)
     warnings = sorted((row.finding for row in rows if row.finding.counts), key=lambda each: each.rank)
     return ", ".join(list(dict.fromkeys(filter(None, (*said, *map(surer, warnings)))))[:3])
@@ -248,6 +264,16 @@ def _beside_others(known: pd.DataFrame) -> str:
     others = {"energy line": farthest["energy_line_runout"], "mean of past slides": farthest["corominas_runout"]}
     words = ", ".join(f"{name} {metres(goes)} m" for name, goes in others.items() if not math.isnan(goes))
     return f" ({words})" * bool(words)
+
+
+def _farther_in_weaker(table: pd.DataFrame, known: pd.DataFrame) -> str:
+    """How far debris of the scene as it is goes in weaker shaking, where that is farther than in that of the runs ``known``."""
+    own = as_it_is(table)
+    weaker = own[(own["diverged"] == 0) & ~own.index.isin(known.index)] if AMPLITUDE in own else own[:0]
+    if weaker.empty or weaker["runout"].max() < FARTHER_IN_WEAKER * known["runout"].max():
+        return ""
+    run = max(weaker.to_dict("records"), key=lambda run: run["runout"])
+    return f", and {metres(run['runout'])} m at {in_both(float(run[AMPLITUDE]))}"
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
@@ -315,6 +341,11 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     say(
         held(table).sum(),
         "have weak soil that is braked: displacement and run-out are lower bounds, and the slope may fail at less.",
+    )
+    say(
+        has_thin_debris(table).sum(),
+        "have debris of few particles' thickness in front of the toe: their run-out is not reliable, or known to some "
+        f"{100.0 * SCATTER:.0f} % at best; use a smaller spacing.",
     )
     say(
         table["reached_side"].str.contains(BACK).sum(),

@@ -64,7 +64,7 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why
     if table["newmark_displacement"].notna().any():
         soft = table["findings"].str.contains("block-not-rigid").any()
         rigid = "; where the slope is not rigid, the slip of the block is not an upper bound" if soft else ""
-        notes.append(f"The Newmark block is rigid and uses the yield acceleration above{rigid}.")
+        notes.append(f"The Newmark block is rigid and uses the yield acceleration by SPH{rigid}.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 

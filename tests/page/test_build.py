@@ -370,7 +370,7 @@ def test_the_newmark_block_has_the_yield_acceleration_of_the_headline(study: Stu
     first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), made]))).text.partition("One run")[0]
     headline = in_both(float(table["yield_acceleration"][0]), 0.02 * GRAVITY).replace("m/s2", "m/s²")
     assert f"Yield acceleration {headline} static, extrapolated from spacings of 2 and 1 m" in first
-    assert "uses the yield acceleration above." in first and "at most" not in first.partition("Shaking at which")[0]
+    assert "uses the yield acceleration by SPH." in first and "at most" not in first.partition("Shaking at which")[0]
     assert "1.7 ± 0.3" not in first, "a second number"
     words, how = limit([quick], quick.code, [], "sph yield-acceleration")
     assert words.startswith("1.7 ± 0.3 m/s2") and "a quick search before the runs" in how, "where no run has one"
