@@ -9,13 +9,15 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from sph.checks.after_run import has_thin_debris
 from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import held_back, lead, surer_with
+from sph.page.answer import _lower_first, held_back, lead, surer_with
 from sph.page.facts import at_residual, unshaken, yearly
 from sph.page.levels import levels, widths
 from sph.page.places import at_places
+from sph.stability.record import SAFETY, YIELD
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
 from sph.study.tables import write_csv
@@ -167,6 +169,28 @@ def test_how_far_others_would_go_is_beside_the_run_out() -> None:
     assert "3.00 m beyond the toe (energy line 40.0 m, mean of past slides 11.0 m)" in lead(runs, [])
     assert "3.00 m beyond the toe (mean of past slides 11.0 m)" in lead(runs.assign(energy_line_runout=math.nan), [])
     assert "beyond the toe" not in lead(runs.assign(runout=0.0), [])
+
+
+def test_debris_that_goes_farther_in_weaker_shaking_is_told() -> None:
+    runs = RUNS.assign(runout=[21.0, 22.0, 4.0, 10.0, 14.0, 20.0])
+    assert "debris runs at least 20.0 m beyond the toe, and 22.0 m at 2 m/s2 (0.204 g)" in lead(runs, [])
+    assert "and 22.0 m" not in lead(runs.assign(diverged=[1, 1, 0, 0, 0, 0]), []), "it has no run-out"
+    assert " at 2 m/s2" not in lead(RUNS, []) + lead(runs.assign(runout=[20.0] * 6), [])
+    drained = runs.assign(alternative=["drained", "drained", *["base"] * 4])
+    assert "and 22.0 m" not in lead(drained, []), "that is not the slope as it is"
+
+
+def test_thin_debris_is_counted_and_a_finer_spacing_asked_for() -> None:
+    thin = RUNS.assign(findings=["", "thin-debris", "few-particles thin-debris", "thin-layer", "", ""])
+    assert has_thin_debris(thin).tolist() == [False, True, True, False, False, False] and not has_thin_debris(RUNS).any()
+    assert surer_with(thin, [], checked=True) == "a finer spacing" and surer_with(RUNS, [], checked=True) == ""
+
+
+def test_the_lower_limit_comes_first_where_that_by_sph_is_told_to_lie_above() -> None:
+    differs = finding("limit-equilibrium-differs", limit="factor-of-safety", value=1.23, error=0.05, bound=1.05, reasons="", thin="")
+    assert _lower_first("1.23", "Spencer 1.05", [differs], SAFETY) == "Spencer 1.05; 1.23 by SPH"
+    assert _lower_first("1.23", "Spencer 1.05", [], SAFETY) == "1.23 by SPH; Spencer 1.05"
+    assert _lower_first("0.1 g", "Spencer 0.2 g", [differs], YIELD) == "0.1 g by SPH; Spencer 0.2 g", "that is another limit"
 
 
 def test_how_wide_by_the_amplitude() -> None:

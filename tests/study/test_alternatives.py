@@ -19,7 +19,7 @@ from sph.checks.finding import finding
 from sph.checks.messages import Severity
 from sph.checks.scene import findings
 from sph.experiments.registry import EXPERIMENTS, load_study
-from sph.page.alternatives import Doubt, compared, doubts, slices_of, verdict
+from sph.page.alternatives import Doubt, compared, doubts, holding, slices_of, verdict
 from sph.page.facts import few_rows
 from sph.page.tables import turned
 from sph.scene.schema import make_scene
@@ -172,9 +172,11 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     assert berm.rows[2][-1] == "1.00 m (8 %)", "its foot lies 11 m beyond the toe, where its debris is"
     assert "farther than" not in found.note
     (deeper,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1]), DIMENSIONS, "A")
-    assert "With drained A moves farther than as it is in 2 of 2 runs." in deeper.note and "buttress" not in deeper.note
+    assert (
+        "With drained A moves farther than as it is, by more than a tenth, in 2 of 2 runs." in deeper.note and "buttress" not in deeper.note
+    )
     (open_one,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1], at_rest=[1, 0, 1, 1, 1, 1]), DIMENSIONS, "A")
-    assert "With drained A moves farther than as it is in 1 of 2 runs." in open_one.note, "the other may go on as far"
+    assert "With drained A moves farther than as it is, by more than a tenth, in 1 of 2 runs." in open_one.note, "the other may go on as far"
     on_paper = turned(found)
     assert on_paper.head == ("alternative", "as it is", "drained", "buttress")
     assert on_paper.rows[-2] == ("saves of the displacement", "–", "6.00 m (60 %)", "9.90 m (99 %)")
@@ -213,7 +215,7 @@ def test_what_is_saved_is_a_bound_where_one_goes_on() -> None:
     (found,) = compared(table_of(findings=["", "weak-on-strong"] + [""] * 4, at_rest=[1, 1, 1, 0, 1, 1]), DIMENSIONS, "A")
     assert found.rows[1][7].startswith(f"unknown: as it is {braked}, and with it soil still moves")
     (found,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.0, 12.0, 0.0, 0.1]), DIMENSIONS, "A")
-    assert found.rows[1][7] == "2.00 m (20 %) farther"
+    assert found.rows[1][7] == "none, 2.00 m (20 %) farther"
     (found,) = compared(table_of(diverged=[0, 0, 1, 1, 0, 1]), DIMENSIONS, "A")
     assert found.rows[1][1] == "diverged" and found.rows[2][5:8] == ("–", "–", "–")
 
@@ -237,6 +239,15 @@ def test_a_sentence_compares_the_alternatives_also_where_none_helps() -> None:
     assert verdict(table_of().drop(columns="alternative")) == "" == said(diverged=[1, 1, 0, 0, 0, 0])
     doubt = Doubt(finding("thin-layer", "numerics.spacing", subject="buttress", value=1.0, bound=4.0), ["buttress"])
     assert verdict(table_of()[1::2], [doubt, doubt]).endswith("; buttress is in doubt, see the warnings.")
+
+
+def test_alternatives_that_hold_the_slope_in_weaker_shaking_are_named() -> None:
+    assert holding(table_of()) == "The slope fails as it is in weaker shaking too, where drained and buttress hold it at 2 m/s2 (0.204 g)."
+    fails = ["minor", "collapse", "minor", "minor", "stable", "stable"]
+    assert holding(table_of(collapse_class=fails)).endswith("where buttress holds it at 2 m/s2 (0.204 g).")
+    assert holding(table_of(at_rest=[1, 1, 0, 1, 0, 1], moving_share=0.1)) == "", "it is not known whether they do"
+    assert holding(table_of(collapse_class=["stable", "collapse"] * 3)) == "", "nothing to hold"
+    assert holding(table_of()[1::2]) == holding(table_of().drop(columns="alternative")) == ""
 
 
 def test_what_an_alternative_alone_is_warned_of_is_said_of_it() -> None:
