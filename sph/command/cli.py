@@ -130,12 +130,19 @@ def new(
         str | None, typer.Option(metavar="DEPTH", help="of the water table below the ground, m, or a file of its line")
     ] = None,
     record: Annotated[list[Path] | None, typer.Option(help="ground motion; repeat it for several, which the study compares")] = None,
-    scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale every record to this peak acceleration, as 0.35g")] = None,
+    scale_to: Annotated[
+        list[str] | None,
+        typer.Option(metavar="A,...", help="scale every record to this peak acceleration, as 0.35g; to each of several, as 0.2g,0.35g"),
+    ] = None,
     component: Component = None,
     unit: Unit = None,
     place: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=X,...", help="what the debris must not reach: its x, m; of a plain slope its distance from the toe"),
+        typer.Option(
+            metavar="NAME=X,...",
+            help="what the debris must not reach, or the ground not move at: its x, m; of a plain slope its distance from the toe, "
+            "negative on the slope and behind it",
+        ),
     ] = None,
     alternative: Annotated[
         list[str] | None,

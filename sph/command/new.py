@@ -113,8 +113,7 @@ MAX_TITLE = 100
 
 SCENE_TEXT = """\
 {scene_schema}# Your own slope, written by `sph new`. Check it, and look at it:  sph check {study_word} --plot scene.png
-# What you did not type is ASSUMED. Replace what you know better; every key is described in docs/reference/scene-keys.md.
-{assumed}
+# What you did not type is ASSUMED, and named by the study. Replace what you know better; docs/reference/scene-keys.md describes every key.
 name: {name}
 title: {title} # shown in every figure{placeholder}
 duration: {duration:g} # s, until {after:.3g} s after the longest record, for the debris to come to rest
@@ -180,6 +179,9 @@ grid: # every combination is run
 fidelities:
   coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look{at_coarse}
   own: {{}} # the scene as it is
+# What of the scene nobody typed. The page names it; take out what you have replaced:
+assumed:
+{assumed}
 # What must the debris not reach, or the ground not move at? By x as in {ground}, or "15 beyond the toe":
 {places}
 # What would help? Every run is made for the scene as it is and for each of these; take away "# " to add one. Files are as seen from here,
@@ -197,7 +199,7 @@ class Known(NamedTuple):
     records: Sequence[Path]
     component: str | None = None  # of records that hold several
     unit: Unit | None = None  # of records that state none
-    peak: str | None = None  # acceleration to which the records are scaled, as a study has it
+    peaks: Sequence[str] = ()  # accelerations to which the records are scaled, as a study has them
     cover: float | None = None  # thickness of weak soil on stronger ground, m
     soil: Mapping[str, float] = {}  # by ``SOIL``, with ``UNIT_WEIGHT`` for the density
     water: float | Path | None = None  # depth below the ground, m, or the file of a line
@@ -231,7 +233,7 @@ class Written(NamedTuple):
 
     scene: Path
     study: Path
-    assumed: list[str]
+    assumed: Mapping[str, str]  # by keys
 
 
 class Rows(NamedTuple):
@@ -250,7 +252,7 @@ def new(
     ground: Path | None,
     slope: str | None,
     records: Sequence[Path],
-    scale_to: str | None,
+    scale_to: list[str] | None,
     component: str | None,
     unit: str | None,
     cover: float | None,
@@ -276,7 +278,7 @@ def new(
         records,
         component,
         (read(parse_treatment, unit, None, None) or {}).get("unit"),
-        None if scale_to is None else read(_peak, scale_to),
+        [read(_peak, peak) for text in scale_to or () for peak in text.split(",")],
         cover,
         read(_numbers, soil, "--soil") or {},
         None if water is None else _depth(water),
@@ -288,7 +290,7 @@ def new(
     scene, study, assumed = write_new(known, folder)
     say(*(cover_words(scene) if cover is not None else ()))
     next_ = f"next: sph check {shlex.quote(str(study))} --plot scene.png"
-    return "\n".join([f"{scene}, {study}", *(f"assumed: {each}" for each in assumed), next_])
+    return "\n".join([f"{scene}, {study}", *(f"assumed: {key}: {each}" for key, each in assumed.items()), next_])
 
 
 def _peak(text: str) -> str:
@@ -450,10 +452,10 @@ def _written(known: Known, folder: Path) -> Written:
     motions = [read_record(record, known.unit, known.component) for record in known.records]
     longest, peak = max(float(motion.time[-1]) for motion in motions), motions[0].peak
 
-    def write(section: _Section, rows: Rows) -> list[str]:
+    def write(section: _Section, rows: Rows) -> dict[str, str]:
         facts, assumed = _facts(known, section, _of_rows(rows, section.line, known), folder)
         facts |= {
-            "assumed": "\n".join(f"#   assumed: {each}" for each in assumed),
+            "assumed": "\n".join(f"  {key}: {quoted(each)}" for key, each in assumed.items()),
             "grid": "\n".join(f"  {each}" for each in _grid(known, peak)),
             "duration": math.ceil(START + longest + section.after),
             "peak": peak,
@@ -530,8 +532,9 @@ def _section(known: Known, folder: Path, ahead: float = 0.0) -> _Section:
 
 def _grid(known: Known, peak: float) -> Iterator[str]:
     """Lines of what the study varies."""
-    if known.peak is not None:
-        yield f'amplitude: ["{known.peak}"] # peak acceleration to which every record is scaled; add others, as "0.5g"'
+    if known.peaks:
+        peaks = ", ".join(map(quoted, dict.fromkeys(known.peaks)))
+        yield f'amplitude: [{peaks}] # peak acceleration to which every record is scaled; add others, as "0.5g"'
     elif len(known.records) == 1:
         values = ", ".join(f'"{factor * peak:.3g}"' for factor in FACTORS)
         yield f'amplitude: [{values}] # m/s2: half of the record\'s peak, the peak, and 1.5 times that; add your design peak, e.g. "0.4g"'
@@ -542,51 +545,49 @@ def _grid(known: Known, peak: float) -> Iterator[str]:
         yield f"S_R: [{', '.join(map(quoted, RATIOS))}] # ASSUMED; for one layer write layers.NAME.S_R, or give residual strengths instead"
 
 
-def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[str]]:
-    """What the texts of scene and study have in braces, but for the records; and what of it decides the answer and was not typed."""
+def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, str]]:
+    """What the texts of scene and study have in braces, but for the records; and what of it decides the answer and was not typed, by its
+    keys, what decides most first."""
     line, soil, own, water = section.line, known.whole_soil, known.own_soil, known.water
     units = {key: scene_keys()[f"soil.{key}"].replace("-", "") for key in soil}
     width, rest = _digits(WIDTH * section.height, 2), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
     jaky = 1.0 - math.sin(math.radians(soil["friction_angle"]))
     missing = [f"{key}: {value:g} {units[key]}".strip() for key, value in soil.items() if key not in own]
-    assumed = [f"soil: {', '.join(missing)}"] if missing else []
+    assumed = {"coupling.softening": f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide"}
     ratio, layers, carried = "1.0 # not felt: all soils have residual strengths", LAYERS_TEXT, ""
     if not known.has_residual:
         ratio = "0.5 # residual over peak strength, from a shear box or ring shear test  ASSUMED"
-        assumed.append(f"residual strength: {', '.join(RATIOS)} of the peak (S_R)")
-    assumed.append(f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide (coupling.softening)")
-    assumed.append(f"K0 {rest:.2f} by Poisson's ratio, where 1 - sin(phi) is {jaky:.2f} (soil.K0)")
-    assumed.append(f"no dilation, damping 3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz")
-    if known.cover is not None:
-        rock = _flow(known.of_layer(ROCK))
-        layers = COVER_TEXT.format(cover=known.cover, soil=rock)
-        assumed.append(f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too (rock.csv)")
-    assumed.append(
-        "each record is the outcrop motion of bedrock like the lowest soil (walls.bedrock); it is run in both directions (motion.factor)"
-    )
-    if known.peak is None:
-        times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
-        assumed.append(f"peak acceleration as recorded{times} (--scale-to)")
+        assumed["coupling.S_R"] = f"residual strength: {', '.join(RATIOS)} of the peak"
+    if missing:
+        assumed["soil"] = ", ".join(missing)
     if water is None:
-        assumed.append("no water")
+        assumed["water"] = "no water"
     else:
         carried = WATER_TEXT.format(file=quoted(os.path.relpath(water, folder) if isinstance(water, Path) else "water.csv"))
         follows = "" if isinstance(water, Path) else "; the water table follows the ground"
-        assumed.append(f"moving soil keeps its pore pressure, as silt and clay (water.pressure: carried){follows}")
+        assumed["water.pressure"] = f"moving soil keeps its pore pressure, as silt and clay{follows}"
+    if known.cover is not None:
+        rock = _flow(known.of_layer(ROCK))
+        layers = COVER_TEXT.format(cover=known.cover, soil=rock)
+        assumed["layers.ground"] = f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too"
+    if not known.peaks:
+        times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
+        assumed["motion.amplitude"] = f"peak acceleration as recorded{times}"
     if "berm" in known.alternatives and section.berm is not None:
         high = [section.berm_height / of_rows[name] for name in ("spacing", "coarse")]
-        few = (
-            f"; with fewer than {MIN_IN_LAYER} its effect is uncertain (thin-layer): take a finer spacing"
-            if high[-1] < MIN_IN_LAYER
-            else ""
+        few = f"; with fewer than {MIN_IN_LAYER} its effect is uncertain: take a finer spacing" if high[-1] < MIN_IN_LAYER else ""
+        assumed["alternatives.berm"] = (
+            f"of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}; {high[0]:.2g} rows of particles high, "
+            f"{high[1]:.2g} at the fidelity coarse, its ends thinner{few}"
         )
-        assumed.append(f"berm of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}")
-        assumed.append(f"berm: {high[0]:.2g} rows of particles high, {high[1]:.2g} at the fidelity coarse, its ends thinner{few}")
+    assumed["walls.bedrock"] = "each record is the outcrop motion of bedrock like the lowest soil"
+    assumed["soil.K0"] = f"{rest:.2f} by Poisson's ratio, where 1 - sin(phi) is {jaky:.2f}"
+    assumed["damping"] = f"3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz; no dilation"
     if isinstance(known.ground, Path):
         title = f"Slope of {known.ground.name[:MAX_TITLE]}"
     else:
         title = "Slope {:g} m high, {:g} degree".format(*known.ground)
-        assumed.append(f"level ground, {BEHIND * section.height:.4g} m behind the crest and {line.toe[0]:.4g} m before the toe")
+        assumed["geometry"] = f"level ground, {BEHIND * section.height:.4g} m behind the crest and {line.toe[0]:.4g} m before the toe"
     replaced = all(key in own for key in FROM_TESTS)
     record = {"file": os.path.relpath(known.records[0], folder), "component": known.component, "unit": known.unit}
     places = ", ".join(f"{name}: {at if isinstance(at, str) else f'{at:.10g}'}" for name, at in known.places.items())

@@ -1,9 +1,9 @@
-"""Places before or on the slope, such as a road: when debris comes there, how deep and how fast, with what pressure, and what it leaves.
+"""Places before, on or behind the slope, such as a road: when debris comes, how deep and fast, with what pressure, and what it leaves.
 
 Debris at a place is soil of the largest linked mass that lay behind the place and above its level initially, has moved more than
 ``moved_threshold`` and is within a spacing of the place; for places in front of the toe it lay behind the toe and above its level, as for
 the run-out.  It is there from a depth of ``debris_depth`` on, at least of half a spacing: less is the roughness of a row of particles.
-On the slope the ground of a place may itself slide away, which ``ground_displacement`` tells.
+On the slope and behind its crest the ground of a place may itself slide away, which ``ground_displacement`` tells.
 """
 
 from __future__ import annotations
@@ -94,20 +94,19 @@ def foot_of(at: float | str, geometry: Slope | GroundLine) -> tuple[float, float
 
 
 def check_places(places: Mapping[str, float | str], scene: Scene, where: str) -> None:
-    """ValueError beginning with ``where`` for a place that is neither in front of the slope of a scene nor on it."""
+    """ValueError beginning with ``where`` for a place outside the model of a scene, or of one that has no slope."""
     geometry = scene.geometry
     for name, at in places.items():
         if not isinstance(geometry, SLOPES):
             raise ValueError(
                 f"{where}: metrics.places.{name}: {at!r}: a place needs geometry.shape slope or ground_line, not {geometry.shape}"
             )
-        (toe_x, _), (crest_x, _) = geometry.toe, geometry.crest
-        if not toe_x - crest_x < beyond_toe(at, geometry) <= toe_x:
-            ends = [geometry.in_survey(x, 0.0)[0] for x in (crest_x, 0.0)]
+        toe_x = geometry.toe[0]
+        if not toe_x - geometry.width <= beyond_toe(at, geometry) <= toe_x:
+            ends = [geometry.in_survey(x, 0.0)[0] for x in (geometry.width, 0.0)]
             raise ValueError(
-                f"{where}: metrics.places.{name}: {at!r}: must lie in front of the crest edge and within the model, at most {toe_x:.4g} m "
-                f"beyond the toe (x from {ends[0]:.6g} to {ends[1]:.6g} m); lengthen the apron to include it, or for a place behind the "
-                "crest name a probe (probes, metrics.probe)"
+                f"{where}: metrics.places.{name}: {at!r}: must lie within the model, at most {toe_x:.4g} m beyond the toe "
+                f"(x from {ends[0]:.6g} to {ends[1]:.6g} m); lengthen the apron or the crest to include it"
             )
 
 

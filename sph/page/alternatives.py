@@ -45,11 +45,17 @@ def slices_of(table: pd.DataFrame, rows: Sequence[Row]) -> Slices:
     return found
 
 
-def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, slices: Slices | None = None) -> list[Table]:
+def compared(
+    table: pd.DataFrame,
+    dimensions: Sequence[Dimension],
+    probe: str,
+    slices: Slices | None = None,
+    keys: Mapping[str, Mapping[str, Any]] | None = None,
+) -> list[Table]:
     """What happens in each alternative, and what it saves of displacement and run-out; no table of a study without alternatives.
 
     An alternative is compared with the scene as it is in the same runs, and what it saves is told of the run in which the scene as it is
-    moves farthest.  Each has its own limits by ``slices``, where these are known of any.
+    moves farthest.  Each has its own limits by ``slices``, where these are known of any, and its scene ``keys`` are named.
     """
     if ALTERNATIVE not in table or BASE not in set(table[ALTERNATIVE]):
         return []
@@ -99,7 +105,20 @@ def compared(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, s
         for name, runs in groups.items()
         if (count := _farther(base, runs, [dimension.name for dimension in others]))
     ]
+    notes += [f"{name}: {listed(changes)}." for name, of in (keys or {}).items() if (changes := _changes(of))]
     return [Table("Alternatives, beside the scene as it is", head, rows, " ".join(notes))]
+
+
+def _changes(keys: Mapping[str, Any], path: str = "") -> list[str]:
+    """What an alternative changes: every key with its value, or how many it has of a list."""
+    said = list[str]()
+    for name, value in keys.items():
+        if isinstance(value, Mapping):
+            said += _changes(value, f"{path}{name}.")
+        else:
+            words = f"{len(value)} values" if isinstance(value, (list, tuple)) else "none" if value is None else f"{value}"
+            said.append(f"`{path}{name}` {words}")
+    return said
 
 
 def _farther(base: pd.DataFrame, runs: pd.DataFrame, keys: Sequence[str]) -> int:

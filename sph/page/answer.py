@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +16,7 @@ from sph.checks.messages import Severity, block_words, braked_words, factor_word
 from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
 from sph.measures.metrics import AREA_THRESHOLDS, CLASSES, ENERGY_LIMIT
-from sph.measures.places import GROUND, REACHED, column_of, places_in
+from sph.measures.places import GROUND, PASSED, REACHED, column_of, places_in
 from sph.measures.sides import BACK
 from sph.page.alternatives import compared, doubts, holding, of_alternative, slices_of, verdict
 from sph.page.facts import (
@@ -38,7 +38,7 @@ from sph.page.facts import (
 from sph.page.levels import levels, widths
 from sph.page.matrix import TO_COME
 from sph.page.places import at_places
-from sph.page.tables import Table, filled, moves_on, turned
+from sph.page.tables import SOFTENING, Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -92,11 +92,13 @@ def answer(
     client: bool = False,
     missing: int = 0,
     to_come: Collection[str] = (),
+    assumed: Collection[str] = (),
+    alternatives: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Answer:
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
 
-    That for a ``client`` names no commands and keys.  Of runs that are still ``missing`` in the table nothing is said; ``to_come`` are the
-    codes of findings that are still searched.
+    That for a ``client`` names no commands and keys, neither of the scene's that are ``assumed`` nor of ``alternatives``.  Of runs that are
+    still ``missing`` in the table nothing is said; ``to_come`` are the codes of findings that are still searched.
     """
     size = len(table) + missing
     rows = [row for file in found(FINDINGS) or found(CHECKED) for row in read_preflight(file)]
@@ -137,11 +139,14 @@ def answer(
         [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
         [_table_raised(each) for each in at_places(table, why, bool(doubted))],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
-        [turned(_table_raised(filled(each))) for each in compared(table, dimensions, probe, slices_of(table, rows))]
+        [
+            turned(_table_raised(filled(each)))
+            for each in compared(table, dimensions, probe, slices_of(table, rows), {} if client else alternatives)
+        ]
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
         alarms,
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
-        surer_with(table, rows, bool(found(SPACINGS)) or not why_unknown, bool(alarms), scene.early_stop is not None),
+        surer_with(table, rows, bool(found(SPACINGS)) or not why_unknown, bool(alarms), scene.early_stop is not None, SOFTENING in assumed),
         expected,
         why_unknown,
     )
@@ -217,19 +222,24 @@ def _of_places(known: pd.DataFrame) -> list[str]:
     moves = {name: float(known[column_of(name, GROUND)].max()) for name in places}
     moved = [f"{metres(by)} m at {name}" for name, by in moves.items() if by >= min(AREA_THRESHOLDS.values())]
     said = [f"it reaches {listed(reached)}"] if reached else []
-    if places and not reached and not any(is_at_least(run) or near_miss(run, place) for run in runs for place in places):
-        said = [f"it does not reach {listed(places, 'or')}"]
+    below = [name for name in places if known[column_of(name, PASSED)].notna().any()]  # to which debris could come
+    if below and not reached and not any(is_at_least(run) or near_miss(run, place) for run in runs for place in below):
+        said = [f"it does not reach {listed(below, 'or')}"]
     said += [f"the ground moves {listed(moved)}"] if moved else []
     return [words.replace("_", " ") for words in said]
 
 
-def surer_with(table: pd.DataFrame, rows: Sequence[Row], checked: bool, differs: bool = False, ended: bool = False) -> str:
-    """What would make the results surer, the most effective three: a finer spacing where what was checked ``differs`` or debris is thin,
-    longer runs, without an early stop where runs are ``ended`` by it, a second spacing where the error of the spacing is not ``checked``,
-    and what the warnings ask for, by their rank; nothing where none asks for anything."""
+def surer_with(
+    table: pd.DataFrame, rows: Sequence[Row], checked: bool, differs: bool = False, ended: bool = False, assumed: bool = False
+) -> str:
+    """What would make the results surer, the most effective three: shear tests where the loss of strength is ``assumed``, a finer spacing
+    where what was checked ``differs`` or debris is thin, longer runs, without an early stop where runs are ``ended`` by it, a second
+    spacing where the error of the spacing is not ``checked``, and what the warnings ask for, by their rank; nothing where none does."""
     moving = ((table["at_rest"] == 0) & (table["diverged"] == 0)).any()
-    said = ["a finer spacing"] * bool(differs or has_thin_debris(table).any()) + ["longer runs" + " without an early stop" * ended] * bool(
-        moving
+    said = (
+        ["shear tests of the slip at which strength is lost"] * assumed
+        + ["a finer spacing"] * bool(differs or has_thin_debris(table).any())
+        + ["longer runs" + " without an early stop" * ended] * bool(moving)
     )
     said += ["runs at a second spacing"] * (not checked)
     warnings = sorted((row.finding for row in rows if row.finding.counts), key=lambda each: each.rank)

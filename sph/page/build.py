@@ -77,6 +77,8 @@ class StudyFiles(NamedTuple):
     client: bool = False  # the page is without keys, paths, commands and what has still to be made
     project: str = ""  # of a client's page
     author: str = ""
+    assumed: Mapping[str, str] = {}  # what of the scene nobody has measured, by its key
+    alternatives: Mapping[str, Mapping[str, Any]] = {}  # scene keys of each
     missing: Mapping[str, Missing] = {}  # runs that are not done yet, and so not in the table, by name
     to_come: Sequence[str] = ()  # codes of the findings that are still searched
     renewed: int = 0  # seconds after which the page is to be read again, since it grows; 0: it is finished
@@ -194,7 +196,18 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         today=datetime.date.today().isoformat() if study.client else "",
         key_table=client_table(keys) if study.client else chosen_keys(keys),
         layer_table=layer_table(scene, varied),
-        answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client, len(study.missing), study.to_come),
+        answer=answer(
+            whole_table,
+            study.dimensions,
+            scene,
+            study.probe,
+            found,
+            study.client,
+            len(study.missing),
+            study.to_come,
+            study.assumed,
+            study.alternatives,
+        ),
         overview=None if first is None else overview(study, first, titles[list(table.index).index(first)], cells),
         missing=[f"{title_of(study.dimensions, each.point)}: {each.stand}" for each in study.missing.values()],
         matrix=cells,

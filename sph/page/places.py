@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -117,6 +118,8 @@ def _at_rest(runs: pd.DataFrame, place: str) -> str:
     """How far short of a place debris at rest is that goes farthest."""
     farthest = _farthest(runs, place)
     gap, away = -float(farthest[column_of(place, PASSED)]), _away(farthest, place)
+    if math.isnan(gap):
+        return "no debris comes from above it"
     if error := near_miss(farthest, place):
         return f"may be reached: stops {away}, within its error of {100.0 * error:.0f} %"
     if not any(map(has_debris, runs.to_dict("records"))):

@@ -119,6 +119,9 @@ class Study(Section):
         default={},
         max_length=20,
     )
+    assumed: dict[str, str] = key(
+        "what of the scene nobody has measured, in words by its key: the page names it", default={}, max_length=40
+    )
     fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key(
         "scene keys that each fidelity sets, by name", default={OWN: {}}, min_length=1
     )

@@ -18,6 +18,7 @@ from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER, findings
 from sph.command.cli import app
 from sph.command.new import AFTER, SPRING, Known, Written, write_new
+from sph.page.tables import SOFTENING
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.study.cost import cost
@@ -264,6 +265,15 @@ def records(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("records")
+def test_several_levels_of_shaking_and_a_place_behind_the_crest_are_of_the_study() -> None:
+    several = ["--scale-to", "0.2g,0.35g", "--scale-to", "4 m/s2", "--place", "track=-60"]
+    told = CliRunner().invoke(app, ["new", "--slope", "28,32", "--record", "A.csv", *several, "--out", "own"])
+    assert told.exit_code == 0, told.output
+    study = load_study(Path("own/study.yaml")).study
+    assert study.values["amplitude"] == ("1.962", "3.4335", "4") and study.metrics.places == {"track": -60.0}
+
+
+@pytest.mark.usefixtures("records")
 def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     """All that was typed is in it, nothing of it is assumed, and its checks have nothing against it."""
     told = CliRunner().invoke(app, ["new", *KNOWN, "--alternative", "drained=5,berm=5", "--out", "own"])
@@ -287,8 +297,9 @@ def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     assert plan.study.metrics.places == {"path": 8.0, "house": 40.0} and plan.study.second_fidelity == "coarse"
     lines = [line for line in told.stdout.splitlines() if line.startswith("assumed: ")]
     text = Path("own/scene.yaml").read_text()
-    assert any(f"berm: {5.0 / scene.numerics.spacing:.2g} rows of particles high" in line for line in lines)
-    assert len(lines) >= 7 and all(f"#   {line}\n" in text for line in lines)
+    assert any(f"{5.0 / scene.numerics.spacing:.2g} rows of particles high" in line for line in lines)
+    assert len(lines) >= 7 and lines == [f"assumed: {key}: {words}" for key, words in plan.study.assumed.items()]
+    assert next(iter(plan.study.assumed)) == SOFTENING, "what decides most"
     marked = {line.split(":")[0].strip(): line.endswith("ASSUMED") for line in text.splitlines() if not line.startswith("#")}
     assert not marked["density"] and not marked["residual_friction_angle"] and marked["shear_wave_speed"] and marked["softening"]
     checked = CliRunner().invoke(app, ["check", "own/study.yaml", "--json"])
@@ -312,7 +323,10 @@ def test_a_berm_is_whole_at_the_coarser_spacing_as_well(slope: str, cover: float
 @pytest.mark.usefixtures("records")
 def test_alternatives_that_nobody_named_are_ready_to_be_added() -> None:
     """Their lines are there, and the comments become keys by taking away the mark."""
-    told = CliRunner().invoke(app, ["new", *KNOWN, "--scale-to", "0.35 m/s2", "--out", "own"])
+    told = CliRunner().invoke(
+        app,
+        ["new", *KNOWN[: KNOWN.index("--scale-to")], "--scale-to", "0.35 m/s2", *KNOWN[KNOWN.index("--scale-to") + 2 :], "--out", "own"],
+    )
     study = Path("own/study.yaml")
     assert told.exit_code == 0 and load_study(study).study.alternatives == {}
     text = study.read_text()
@@ -334,7 +348,8 @@ def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
         (["--soil", "cohesion"], "--soil 'cohesion': write NAME=VALUE"),
         (["--scale-to", "0.35"], "has no unit; write 0.35g or 0.35 m/s2"),
         (["--place", "house=400,house=30"], "house is given twice"),
-        (["--place", "house=-60"], "must lie in front of the crest edge"),
+        (["--place", "house=-200"], "must lie within the model"),
+        (["--scale-to", "0.35g,0.4"], "has no unit; write 0.4g or 0.4 m/s2"),
         (["--alternative", "wall=3"], "--alternative: 'wall' is not"),
         (["--alternative", "drained=3"], "there is no water to drain; give --water"),
         (

@@ -87,16 +87,22 @@ def test_the_places_are_known_from_the_columns() -> None:
 @pytest.mark.parametrize(
     ("place", "words"),
     [
-        ("56 beyond the toe", "at most 55 m beyond the toe (x from 69.4338 to 0 m)"),
-        (70.0, "must lie in front of the crest edge"),
-        (70.0, "name a probe"),
-        (-1.0, "lengthen the apron to include it"),
+        ("56 beyond the toe", "at most 55 m beyond the toe (x from 103.434 to 0 m)"),
+        (104.0, "must lie within the model"),
+        (-1.0, "lengthen the apron or the crest to include it"),
     ],
 )
-def test_a_place_behind_the_crest_or_outside_the_model_is_refused(place: float | str, words: str) -> None:
+def test_a_place_outside_the_model_is_refused(place: float | str, words: str) -> None:
     with pytest.raises(ValueError, match="config: metrics.places.road: ") as raised:
         check_places({"road": place}, make_scene(PAPER), "config")
     assert words in str(raised.value)
+
+
+def test_behind_the_crest_a_place_tells_how_its_ground_moves() -> None:
+    """No debris comes there from above, where the ground is level."""
+    found = at(synthetic(translation(-3.0)), track=75.0)
+    assert found["track_ground_displacement"] == pytest.approx(3.0) and found["track_reached"] == found["track_peak_depth"] == 0.0
+    assert math.isnan(float(found["track_passed"])) and math.isnan(float(found["track_arrival"]))
 
 
 def test_a_shape_without_a_toe_has_no_places() -> None:

@@ -180,6 +180,14 @@ def test_debris_that_goes_farther_in_weaker_shaking_is_told() -> None:
     assert "and 22.0 m" not in lead(drained, []), "that is not the slope as it is"
 
 
+def test_a_place_behind_the_crest_is_told_by_its_ground() -> None:
+    track = {"track_passed": math.nan, "track_reached": 0.0, "track_depth": 0.0, "track_peak_depth": 0.0, "track_arrival": math.nan}
+    runs = RUNS.assign(**track, track_peak_speed=0.0, track_impact_pressure=0.0, track_ground_displacement=11.0, reached_side="")
+    runs = runs.assign(road_reached=0.0, road_passed=-20.0)
+    assert row_of(runs, "track")[SHORT] == "no debris comes from above it" and row_of(runs, "track")["its ground moves (m)"] == "11.0"
+    assert "it does not reach road or house; the ground moves 11.0 m at track" in lead(runs, [])
+
+
 def test_thin_debris_is_counted_and_a_finer_spacing_asked_for() -> None:
     thin = RUNS.assign(findings=["", "thin-debris", "few-particles thin-debris", "thin-layer", "", ""])
     assert has_thin_debris(thin).tolist() == [False, True, True, False, False, False] and not has_thin_debris(RUNS).any()
@@ -307,6 +315,7 @@ def test_what_would_make_the_results_surer_is_said_in_a_line() -> None:
         "longer runs, runs at a second spacing, more rows of particles in berm"
     )
     assert surer_with(RUNS.assign(at_rest=0, diverged=1), [], checked=False) == "runs at a second spacing"
+    assert surer_with(RUNS, [], True, assumed=True) == "shear tests of the slip at which strength is lost"
     assert surer_with(RUNS.assign(at_rest=0), [], True, differs=True, ended=True) == "a finer spacing, longer runs without an early stop"
 
 

@@ -280,6 +280,15 @@ def test_a_damaged_file_is_named_and_the_earlier_page_stays(study: StudyFiles, n
     assert Path(FOLDER, "report.html").stat().st_size == size
 
 
+def test_what_nobody_has_measured_is_named_below_the_answer(study: StudyFiles) -> None:
+    assumed = {"coupling.softening": "strength is lost within 100 mm", "soil.K0": "0.43"}
+    words = Words(build_page(study._replace(assumed=assumed))).text
+    assert "Assumed, not measured: strength is lost within 100 mm; and 1 more" in words and "soil.K0" in words
+    assert "Surer with: shear tests of the slip at which strength is lost" in words
+    assert "soil.K0" not in Words(build_page(study._replace(assumed=assumed, client=True))).text
+    assert "Assumed, not measured" not in Words(build_page(study)).text
+
+
 def test_what_the_release_measured_is_a_link(study: StudyFiles) -> None:
     """The page of a study says nothing of speed, validation and robustness itself, but where it is told."""
     words = Words(build_page(study))

@@ -176,10 +176,16 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
         "With drained A moves farther than as it is, by more than a tenth, in 2 of 2 runs." in deeper.note and "buttress" not in deeper.note
     )
     (open_one,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1], at_rest=[1, 0, 1, 1, 1, 1]), DIMENSIONS, "A")
-    assert "With drained A moves farther than as it is, by more than a tenth, in 1 of 2 runs." in open_one.note, "the other may go on as far"
+    assert "With drained A moves farther than as it is, by more than a tenth, in 1 of 2 runs." in open_one.note, (
+        "the other may go on as far"
+    )
+    keys = {"drained": {"water": {"file": "low.csv"}}, "buttress": {"soil": {"cohesion": 9.0}, "numerics": {"lattice_shift": [0.0, 0.5]}}}
+    (named,) = compared(table_of(), DIMENSIONS, "A", keys=keys)
+    assert "drained: `water.file` low.csv." in named.note
+    assert "buttress: `soil.cohesion` 9.0 and `numerics.lattice_shift` 2 values." in named.note
     on_paper = turned(found)
     assert on_paper.head == ("alternative", "as it is", "drained", "buttress")
-    assert on_paper.rows[-2] == ("saves of the displacement", "–", "6.00 m (60 %)", "9.90 m (99 %)")
+    assert on_paper.rows[-2] == ("displacement that it saves", "–", "6.00 m (60 %)", "9.90 m (99 %)")
     assert compared(table_of().drop(columns="alternative"), DIMENSIONS[:1], "A") == []
 
 

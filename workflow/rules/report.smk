@@ -83,6 +83,8 @@ rule page:
                 "client": PLAN.study.page == "client",
                 "project": PLAN.study.project,
                 "author": PLAN.study.author,
+                "assumed": PLAN.study.assumed,
+                "alternatives": PLAN.study.alternatives,
                 "shown": {
                     figure: [run.file for run in PLAN.figure_runs(figure)]
                     for figure in PLAN.study.figure_files
