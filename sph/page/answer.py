@@ -26,6 +26,7 @@ from sph.page.facts import (
     at_residual,
     claims,
     drifts,
+    fails_in_weakest,
     few_rows,
     going,
     limit,
@@ -105,7 +106,8 @@ def answer(
     own = as_it_is(table)
     findings = [row.finding for row in [row for row in rows if row.worst_run in own.index] or rows]  # not those of alternatives
     why = held_back(table, rows)
-    less = f"it may fail at less: {why}" if why else ""
+    weaker = "it fails in the weakest shaking that was run" + "; add weaker levels to the study's amplitude" * (not client)
+    less = f"it may fail at less: {why}" if why else weaker if fails_in_weakest(own) else ""
 
     def sought(limit_of: str, command: str) -> tuple[str, str]:
         code = SEARCHES[limit_of].code

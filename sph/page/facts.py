@@ -62,7 +62,7 @@ def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     """The factors of safety at the strength that failed soil keeps, and what it means where that is below 1 and the slope stands now."""
     found = [row.finding.numbers for row in rows if row.finding.code == "limit-equilibrium-residual"]
     falls, stands = (sum(row.runs for row in rows if row.finding.code == code) for code in ("fails-at-residual", "stands-at-residual"))
-    by_particles = f"by a static test of SPH {stands} of {falls + stands} slopes would stand" if falls + stands else ""
+    by_particles = f"by a static test of SPH the slope would stand in {stands} of {falls + stands} runs" if falls + stands else ""
     if not found and not by_particles:
         return []
     factors = sorted(of["spencer"] for of in found)
@@ -154,6 +154,14 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension], missing: int = 0
     if math.isnan(gone):
         return f"no failure found{' so far' * bool(missing)} up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
     return f"at most {in_both(gone)}{of}" if missing or math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
+
+
+def fails_in_weakest(table: pd.DataFrame) -> bool:
+    """Whether a slope fails in the weakest shaking of a study of several, so that weaker shaking would tell more."""
+    if AMPLITUDE not in table:
+        return False
+    weakest = table[table[AMPLITUDE] == min(table[AMPLITUDE], key=float)]
+    return bool((weakest["collapse_class"].isin(CLASSES[1:]) & (weakest["status"] != Status.FAILED_UNSHAKEN)).any())
 
 
 def when(table: pd.DataFrame, probe: str) -> list[tuple[str, str, str]]:

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from sph.checks.after_run import has_debris, held, near_miss
-from sph.figures.style import NOTHING, metres
+from sph.figures.style import LEAST, NOTHING, metres
 from sph.measures.metrics import AREA_THRESHOLDS
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.page.tables import Table, filled, moves_on
@@ -50,7 +50,10 @@ def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) ->
             called = AS_IT_IS if name == BASE else name
             first = _reached_from(known[names == name], place) if len(strongest) < len(known) else NOTHING
             unsure = contradicted and name == BASE
-            rows.append((place.replace("_", " "), called if ALTERNATIVE in known else NOTHING, *_at(runs, place, first, unsure)))
+            *cells, short = _at(runs, place, first, unsure)
+            weaker = known[(names == name) & ~known.index.isin(strongest.index)]
+            short += "" if unsure else _nearer(runs, weaker, place)
+            rows.append((place.replace("_", " "), called if ALTERNATIVE in known else NOTHING, *cells, short))
     level = f" at {in_both(float(strongest[AMPLITUDE].iloc[0]))}" if AMPLITUDE in known else ""
     reached = (strongest[[column_of(place, REACHED) for place in places]] > 0.0).any(axis=None)
     notes = ["Impact pressure: mean over the depth of the debris."] * bool(reached)
@@ -101,6 +104,17 @@ def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:
     passed = short[column_of(place, PASSED)]
     nearer = bool(passed[~unsure].max() > passed[unsure].max())  # not where all are unsure: NaN
     return f"{said}; of those at rest: {_at_rest(short[~unsure], place)}" if nearer else said
+
+
+def _nearer(runs: pd.DataFrame, weaker: pd.DataFrame, place: str) -> str:
+    """How far short of a place the debris is in ``weaker`` shaking, where it comes nearer than in that of ``runs``, of which none reaches
+    it."""
+    passed, reached = column_of(place, PASSED), column_of(place, REACHED)
+    if weaker.empty or (runs[reached] > 0.0).any() or not weaker[passed].max() > runs[passed].max() + LEAST:
+        return ""
+    nearest = _farthest(weaker, place)
+    away = _away(nearest, place)
+    return f"; nearer at {in_both(float(nearest[AMPLITUDE]))}: {away}" if away else ""
 
 
 def _farthest(runs: pd.DataFrame, place: str) -> dict[Any, Any]:

@@ -14,7 +14,7 @@ from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import _lower_first, held_back, lead, surer_with
-from sph.page.facts import at_residual, unshaken, yearly
+from sph.page.facts import at_residual, fails_in_weakest, unshaken, yearly
 from sph.page.levels import levels, widths
 from sph.page.places import at_places
 from sph.stability.record import SAFETY, YIELD
@@ -180,12 +180,24 @@ def test_debris_that_goes_farther_in_weaker_shaking_is_told() -> None:
     assert "and 22.0 m" not in lead(drained, []), "that is not the slope as it is"
 
 
+def test_a_place_to_which_debris_comes_nearer_in_weaker_shaking_says_so() -> None:
+    weaker = RUNS.assign(runout=[0.0, 24.0, 4.0, 10.0, 14.0, 20.0], house_passed=[-30.0, -6.0, -26.0, -20.0, -16.0, -10.0])
+    assert row_of(weaker)[SHORT] == "stops 10.0 m short; nearer at 2 m/s2 (0.204 g): 6.00 m short"
+    assert "nearer" not in row_of(weaker.assign(house_reached=[0.0] * 5 + [1.0]))[SHORT] + row_of(RUNS)[SHORT]
+
+
 def test_a_place_behind_the_crest_is_told_by_its_ground() -> None:
     track = {"track_passed": math.nan, "track_reached": 0.0, "track_depth": 0.0, "track_peak_depth": 0.0, "track_arrival": math.nan}
     runs = RUNS.assign(**track, track_peak_speed=0.0, track_impact_pressure=0.0, track_ground_displacement=11.0, reached_side="")
     runs = runs.assign(road_reached=0.0, road_passed=-20.0)
     assert row_of(runs, "track")[SHORT] == "no debris comes from above it" and row_of(runs, "track")["its ground moves (m)"] == "11.0"
     assert "it does not reach road or house; the ground moves 11.0 m at track" in lead(runs, [])
+
+
+def test_weaker_shaking_is_asked_for_where_the_slope_fails_in_all_that_was_run() -> None:
+    fails = RUNS.assign(collapse_class=["stable", "minor", *["collapse"] * 4])
+    assert fails_in_weakest(fails) and not fails_in_weakest(fails.assign(collapse_class=["stable"] * 2 + ["collapse"] * 4))
+    assert not fails_in_weakest(fails.assign(status="failed_unshaken")) and not fails_in_weakest(fails.drop(columns="amplitude"))
 
 
 def test_thin_debris_is_counted_and_a_finer_spacing_asked_for() -> None:
@@ -240,13 +252,13 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
     ((name, words, meant),) = at_residual(weak)
     assert (name, words) == (
         "Factor of safety at residual strength",
-        "Bishop 0.61 (circle), Spencer 0.58 (not circular); by a static test of SPH 0 of 4 slopes would stand",
+        "Bishop 0.61 (circle), Spencer 0.58 (not circular); by a static test of SPH the slope would stand in 0 of 4 runs",
     )
     assert "progressive failure" in meant
     by_slices = "Bishop 1.21 (circle), Spencer 1.20 (circle)"
-    assert at_residual(strong)[0][1:] == (f"{by_slices}; by a static test of SPH 2 of 2 slopes would stand", "")
-    assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; by a static test of SPH 2 of 6 slopes would stand"
-    assert at_residual(weak[:1])[0][1] == "by a static test of SPH 0 of 4 slopes would stand", "a scene without slices"
+    assert at_residual(strong)[0][1:] == (f"{by_slices}; by a static test of SPH the slope would stand in 2 of 2 runs", "")
+    assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; by a static test of SPH the slope would stand in 2 of 6 runs"
+    assert at_residual(weak[:1])[0][1] == "by a static test of SPH the slope would stand in 0 of 4 runs", "a scene without slices"
     assert at_residual([]) == []
 
 
