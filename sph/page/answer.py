@@ -120,8 +120,16 @@ def answer(
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
-        ("Factor of safety", _lower_first(factor, factor_words(by_slices), findings, SAFETY) if by_slices else factor, how),
-        ("Yield acceleration", _lower_first(critical, yield_words(by_slices), findings, YIELD) if by_slices else critical, statically),
+        (
+            "Factor of safety",
+            _lower_first(factor, factor_words(by_slices), findings, SAFETY, by_slices["spencer"]) if by_slices else factor,
+            how,
+        ),
+        (
+            "Yield acceleration",
+            _lower_first(critical, yield_words(by_slices), findings, YIELD, by_slices.get("critical", 0.0)) if by_slices else critical,
+            statically,
+        ),
         *when(strongest(own), probe),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
         ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing, by_slices["spencer"] if by_slices else math.inf))),
@@ -154,10 +162,9 @@ def answer(
     )
 
 
-def _lower_first(by_sph: str, by_slices: str, findings: Sequence[Finding], limit_of: str) -> str:
-    """A limit by both methods: that of limit equilibrium first where the one by SPH is told to lie above it."""
-    differs = [of.numbers for of in findings if of.code == "limit-equilibrium-differs" and of.numbers["limit"] == SEARCHES[limit_of].code]
-    above = any(of["value"] > of["bound"] for of in differs)
+def _lower_first(by_sph: str, by_slices: str, findings: Sequence[Finding], limit_of: str, spencer: float) -> str:
+    """A limit by both methods, that first which lies lower, by the number of Spencer's method."""
+    above = any(of.code == SEARCHES[limit_of].code and of.numbers["value"] > spencer for of in findings)
     return f"{by_slices}; {by_sph} by SPH" if above else f"{by_sph} by SPH; {by_slices}"
 
 

@@ -206,11 +206,12 @@ def test_thin_debris_is_counted_and_a_finer_spacing_asked_for() -> None:
     assert surer_with(thin, [], checked=True) == "a finer spacing" and surer_with(RUNS, [], checked=True) == ""
 
 
-def test_the_lower_limit_comes_first_where_that_by_sph_is_told_to_lie_above() -> None:
-    differs = finding("limit-equilibrium-differs", limit="factor-of-safety", value=1.23, error=0.05, bound=1.05, reasons="", thin="")
-    assert _lower_first("1.23", "Spencer 1.05", [differs], SAFETY) == "Spencer 1.05; 1.23 by SPH"
-    assert _lower_first("1.23", "Spencer 1.05", [], SAFETY) == "1.23 by SPH; Spencer 1.05"
-    assert _lower_first("0.1 g", "Spencer 0.2 g", [differs], YIELD) == "0.1 g by SPH; Spencer 0.2 g", "that is another limit"
+def test_the_lower_limit_comes_first() -> None:
+    found = [finding("factor-of-safety", value=1.23, error=0.2), finding("yield-acceleration", value=0.4, error=0.1)]
+    assert _lower_first("1.23", "Spencer 1.05", found, SAFETY, 1.05) == "Spencer 1.05; 1.23 by SPH"
+    assert _lower_first("1.23", "Spencer 1.25", found, SAFETY, 1.25) == "1.23 by SPH; Spencer 1.25"
+    assert _lower_first("0.4", "Spencer 0.6", found, YIELD, 0.6) == "0.4 by SPH; Spencer 0.6"
+    assert _lower_first("not searched", "Spencer 0.6", [], YIELD, 0.6) == "not searched by SPH; Spencer 0.6"
 
 
 def test_how_wide_by_the_amplitude() -> None:
