@@ -46,13 +46,18 @@ def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
 
 def equilibrium_numbers(equilibrium: LimitEquilibrium) -> dict[str, Any]:
     """Factors of safety ``bishop`` and ``spencer`` and the yield acceleration ``critical`` (m/s2), where there are any, each with the kind
-    of its surface and the depth of its tension crack (m)."""
+    of its surface, its largest depth and that of its tension crack (m)."""
     numbers: dict[str, Any] = {}
     for name, scale in (("bishop", 1.0), ("spencer", 1.0), ("critical", GRAVITY)):
         surface: Surface = getattr(equilibrium, name)
         if surface.where and math.isfinite(surface.value):
             value = surface.value if name != "critical" else max(surface.value, 0.0)
-            numbers |= {name: scale * value, f"{name}_surface": surface.where, f"{name}_crack": surface.crack}
+            numbers |= {
+                name: scale * value,
+                f"{name}_surface": surface.where,
+                f"{name}_crack": surface.crack,
+                f"{name}_depth": surface.depth,
+            }
     return numbers
 
 

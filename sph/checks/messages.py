@@ -243,6 +243,8 @@ def search_words(facts: Mapping[str, Any]) -> tuple[str, str]:
 
 def _surface(of: Numbers, name: str) -> str:
     words = {"line": "not circular"}.get(str(of[f"{name}_surface"]), str(of[f"{name}_surface"]))
+    if deep := float(of.get(f"{name}_depth", 0.0)):
+        words += f", {deep:.2g} m deep"
     return words if not of[f"{name}_crack"] else f"{words}, with a tension crack of {of[f'{name}_crack']:.2g} m"
 
 

@@ -79,6 +79,8 @@ class Surface(NamedTuple):
     """share of its length in tension"""
     crack: float
     """depth of the vertical crack at its upper end, m"""
+    depth: float = 0.0
+    """largest depth below the ground, m"""
 
 
 NONE = Surface(np.inf, "", np.zeros(0), np.zeros(0), np.zeros(0, int), 0.0, 0.0)
@@ -319,7 +321,9 @@ def _surface(
     worst = int(values.argmin())
     crack = float(section.ground(edges.x[worst, -1:])[0] - edges.y[worst, -1])
     crack = crack if crack > 1e-3 * section.height else 0.0
-    return Surface(float(values[worst]), where, edges.x[worst], edges.y[worst], edges.seam[worst], float(tension[worst]), crack), worst
+    x, y = edges.x[worst], edges.y[worst]
+    deepest = float((section.ground(x) - y).max())
+    return Surface(float(values[worst]), where, x, y, edges.seam[worst], float(tension[worst]), crack, deepest), worst
 
 
 def _spread(values: np.ndarray) -> np.ndarray:

@@ -251,6 +251,9 @@ def test_steep_cohesive_soil_gets_a_crack_and_says_so() -> None:
     assert found.critical.crack > 0.0
     ((_, factor), (_, yields)) = equilibrium_rows(limit_equilibrium(STEEP))
     assert "with a tension crack of" in factor and "with a tension crack of" in yields
+    assert f", {found.spencer.depth:.2g} m deep, with" in factor and f", {found.critical.depth:.2g} m deep, with" in yields
+    deepest = (STEEP.geometry.ground(found.spencer.x) - found.spencer.y).max()
+    assert found.spencer.depth == pytest.approx(deepest) and found.spencer.crack < deepest < 11.0
 
 
 def factor(value: float, error: float) -> Finding:
