@@ -126,6 +126,10 @@ def new(
             "that of failed soil by both residual_cohesion (0 is usual) and residual_friction_angle, shear_wave_speed (m/s), poisson_ratio",
         ),
     ] = None,
+    below: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUE,...", help="soil below the cover, as --soil; weathered rock where it is not given"),
+    ] = None,
     water: Annotated[
         str | None, typer.Option(metavar="DEPTH", help="of the water table below the ground, m, or a file of its line")
     ] = None,
@@ -158,7 +162,7 @@ def new(
     from sph.command.new import new
 
     records = [*([first] if first else ()), *(record or ())]
-    return new(ground, slope, records, scale_to, component, unit, cover, soil, water, place, alternative, out)
+    return new(ground, slope, records, scale_to, component, unit, cover, soil, below, water, place, alternative, out)
 
 
 @command(

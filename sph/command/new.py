@@ -65,8 +65,10 @@ FROM_TESTS = ("density", "cohesion", "friction_angle", "residual_cohesion", "res
 """Those without which the soil is not the user's."""
 UNIT_WEIGHT = "unit_weight"
 """What is typed in place of the density, kN/m3."""
+AS_SOIL = "as unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,residual_friction_angle=20"
 EXAMPLES = {
-    "--soil": "as unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,residual_friction_angle=20",
+    "--soil": AS_SOIL,
+    "--below": AS_SOIL,
     "--alternative": "as drained=4,berm=3: the depth of the lowered water table, or by how much its line is lowered, and the height "
     "of the berm, m",
 }
@@ -82,7 +84,7 @@ ROCK = {
     "residual_cohesion": 50.0,
     "residual_friction_angle": 34.0,
 }
-"""The ground below a cover, weathered rock, in the units of the scene's keys."""
+"""The ground below a cover where nothing else is typed, weathered rock, in the units of the scene's keys."""
 FILL = {
     "density": 2000.0,
     "shear_wave_speed": 300.0,
@@ -161,7 +163,7 @@ COVER_TEXT = """\
 layers: # the soil above is the cover; other layers by depth, elevation or polygon, with only the keys that differ
   ground: # below the cover, whose thickness ({cover:g} m, vertically) decides the spacing
     region: {{kind: below, file: rock.csv}}
-    soil: {soil} # ASSUMED
+    soil: {soil} # ASSUMED, but what was typed with --below
 """
 WATER_TEXT = """\
 water: # carried: silt and clay that move faster than their water drains; by_place: sand and gravel, which drain as they move
@@ -202,6 +204,7 @@ class Known(NamedTuple):
     peaks: Sequence[str] = ()  # accelerations to which the records are scaled, as a study has them
     cover: float | None = None  # thickness of weak soil on stronger ground, m
     soil: Mapping[str, float] = {}  # by ``SOIL``, with ``UNIT_WEIGHT`` for the density
+    below: Mapping[str, float] = {}  # the same of the ground below the cover
     water: float | Path | None = None  # depth below the ground, m, or the file of a line
     places: Mapping[str, float | str] = {}  # x, m, or a distance beyond the toe
     alternatives: Mapping[str, float] = {}  # drained: depth of the water, m, or by how much a line is lowered; berm: its height, m
@@ -209,8 +212,12 @@ class Known(NamedTuple):
     @property
     def own_soil(self) -> dict[str, float]:
         """The keys of the soil that were typed, in the units of the scene."""
-        density = {"density": _digits(1e3 * self.soil[UNIT_WEIGHT] / GRAVITY, 4)} if UNIT_WEIGHT in self.soil else {}
-        return density | {key: value for key, value in self.soil.items() if key != UNIT_WEIGHT}
+        return _with_density(self.soil)
+
+    @property
+    def lowest_soil(self) -> dict[str, float]:
+        """The keys of the ground below the cover, or of the soil where it has none."""
+        return self.whole_soil if self.cover is None else ROCK | _with_density(self.below)
 
     @property
     def whole_soil(self) -> dict[str, float]:
@@ -257,6 +264,7 @@ def new(
     unit: str | None,
     cover: float | None,
     soil: list[str] | None,
+    below: list[str] | None,
     water: str | None,
     place: list[str] | None,
     alternative: list[str] | None,
@@ -281,6 +289,7 @@ def new(
         [read(_peak, peak) for text in scale_to or () for peak in text.split(",")],
         cover,
         read(_numbers, soil, "--soil") or {},
+        read(_numbers, below, "--below") or {},
         None if water is None else _depth(water),
         read(parse_values, place, "--place") or {},
         read(_numbers, alternative, "--alternative") or {},
@@ -291,6 +300,12 @@ def new(
     say(*(cover_words(scene) if cover is not None else ()))
     next_ = f"next: sph check {shlex.quote(str(study))} --plot scene.png"
     return "\n".join([f"{scene}, {study}", *(f"assumed: {key}: {each}" for key, each in assumed.items()), next_])
+
+
+def _with_density(soil: Mapping[str, float]) -> dict[str, float]:
+    """The keys of a soil as a scene has them, with its density in the place of a unit weight."""
+    density = {"density": _digits(1e3 * soil[UNIT_WEIGHT] / GRAVITY, 4)} if UNIT_WEIGHT in soil else {}
+    return density | {key: value for key, value in soil.items() if key != UNIT_WEIGHT}
 
 
 def _peak(text: str) -> str:
@@ -375,20 +390,29 @@ def _refused(known: Known) -> Iterator[str]:
             yield f"--slope {height:g},{angle:g}: must be {allowed}, as 28,32"
     for option, names, known_names in (
         ("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:])),
+        ("--below", known.below, (UNIT_WEIGHT, *ROCK)),
         ("--alternative", known.alternatives, ("drained", "berm")),
     ):
         try:
             check_known(option, names, known_names)
         except ValueError as error:
             yield str(error)
-    residual = [key for key in known.soil if key.startswith(RESIDUAL)]
-    if len(residual) == 1:
-        yield (
-            f"--soil {residual[0]}: give residual_cohesion (0 is usual) and residual_friction_angle, or neither: then S_R times the peak "
-            "is varied"
-        )
-    if not 10.0 <= known.soil.get(UNIT_WEIGHT, 20.0) <= 30.0:
-        yield f"--soil {UNIT_WEIGHT}={known.soil[UNIT_WEIGHT]:g}: must be from 10 to 30 kN/m3, with its water"
+    strength = [key for key in known.below if key in ("cohesion", "friction_angle")]
+    if strength and known.has_residual and not any(key.startswith(RESIDUAL) for key in known.below):
+        yield f"--below {strength[0]}: give residual_cohesion and residual_friction_angle as well, as for --soil"
+    if known.below and known.cover is None:
+        yield "--below: is the soil below a cover; give its thickness with --cover"
+    for option, soil in (("--soil", known.soil), ("--below", known.below)):
+        residual = [key for key in soil if key.startswith(RESIDUAL)]
+        if len(residual) == 1:
+            yield (
+                f"{option} {residual[0]}: give residual_cohesion (0 is usual) and residual_friction_angle, or neither: then S_R times the "
+                "peak is varied"
+            )
+        elif residual and not known.has_residual:
+            yield f"{option} {residual[0]}: give the residual strength of --soil as well, or of neither"
+        if not 10.0 <= soil.get(UNIT_WEIGHT, 20.0) <= 30.0:
+            yield f"{option} {UNIT_WEIGHT}={soil[UNIT_WEIGHT]:g}: must be from 10 to 30 kN/m3, with its water"
     lowered = known.alternatives.get("drained")
     wet = known.water if isinstance(known.water, float) else 0.0
     if not 0.0 <= wet < math.inf:
@@ -567,9 +591,11 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         follows = "" if isinstance(water, Path) else "; the water table follows the ground"
         assumed["water.pressure"] = f"moving soil keeps its pore pressure, as silt and clay{follows}"
     if known.cover is not None:
-        rock = _flow(known.of_layer(ROCK))
-        layers = COVER_TEXT.format(cover=known.cover, soil=rock)
-        assumed["layers.ground"] = f"below the cover weathered rock: {rock[1:-1]}; the cover is as thick everywhere, before the toe, too"
+        layers = COVER_TEXT.format(cover=known.cover, soil=_flow(known.of_layer(known.lowest_soil)))
+        typed = _with_density(known.below)
+        rock = _flow(known.of_layer({key: value for key, value in known.lowest_soil.items() if key not in typed}))[1:-1]
+        below = f"below the cover {'' if typed else 'weathered rock: '}{rock}; " if rock else ""
+        assumed["layers.ground"] = f"{below}the cover is as thick everywhere, before the toe, too"
     if not known.peaks:
         times = f", times {', '.join(f'{each:g}' for each in FACTORS)}" if len(known.records) == 1 else ""
         assumed["motion.amplitude"] = f"peak acceleration as recorded{times}"
@@ -601,7 +627,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "placeholder": "" if replaced else "; remove the words in brackets when the soil is yours",
         "after": section.after,
         "ground": quoted(os.path.relpath(section.file, folder)),
-        "bedrock": _flow(_bedrock(known.whole_soil | (ROCK if known.cover is not None else {}))),
+        "bedrock": _flow(_bedrock(known.whole_soil | known.lowest_soil)),
         "spring": SPRING,
         "downhill": line.downhill,
         "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
@@ -693,7 +719,7 @@ def _of_rows(rows: Rows, line: GroundLine, known: Known) -> dict[str, Any]:
     height, toe, cover = line.slope_height, line.toe[1], known.cover
     step = height * PARTS / rows.own  # whole rows at both spacings
     depth = math.ceil(toe / step * (1.0 - 1e-9)) * step
-    soils = [known.whole_soil, ROCK] if cover else [known.whole_soil]
+    soils = [known.whole_soil, known.lowest_soil] if cover else [known.whole_soil]
     thickness = [cover, depth + height - cover] if cover else [depth + height]
     column = Column(*map(np.array, (thickness, *([each[key] for each in soils] for key in ("shear_wave_speed", "density")))))
     frequency = _digits(float(natural_frequencies(column)[0]), 3)

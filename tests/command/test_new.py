@@ -274,6 +274,23 @@ def test_several_levels_of_shaking_and_a_place_behind_the_crest_are_of_the_study
 
 
 @pytest.mark.usefixtures("records")
+def test_the_soil_below_a_cover_may_be_typed() -> None:
+    below = "unit_weight=20,cohesion=14,friction_angle=27,residual_cohesion=1,residual_friction_angle=19,shear_wave_speed=280"
+    told = CliRunner().invoke(app, ["new", *KNOWN, "--below", below, "--out", "own"])
+    assert told.exit_code == 0, told.output
+    scene = load_scene("own/scene.yaml")
+    soil, bedrock = scene.layers["ground"].soil, scene.walls.bedrock
+    assert bedrock is not None and bedrock.s_wave_speed == 280.0 and bedrock.density == pytest.approx(20e3 / 9.80665, rel=1e-3)
+    assert (soil.cohesion, soil.residual_friction_angle, soil.density) == (14.0, 19.0, bedrock.density)
+    assert soil.s_wave_speed == pytest.approx(280.0)
+    assert load_study(Path("own/study.yaml")).study.assumed["layers.ground"].startswith("the cover is as thick everywhere")
+    part = CliRunner().invoke(app, ["new", *KNOWN, "--below", "shear_wave_speed=300", "--out", "part"])
+    assert "below the cover density: 2200, cohesion: 200, friction_angle: 38" in part.output and "shear_wave_speed: 450" not in part.output
+    weak = CliRunner().invoke(app, ["new", *KNOWN, "--below", "cohesion=14", "--out", "weak"])
+    assert weak.exit_code == 2 and "--below cohesion: give residual_cohesion and residual_friction_angle as well" in weak.output
+
+
+@pytest.mark.usefixtures("records")
 def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     """All that was typed is in it, nothing of it is assumed, and its checks have nothing against it."""
     told = CliRunner().invoke(app, ["new", *KNOWN, "--alternative", "drained=5,berm=5", "--out", "own"])
@@ -349,6 +366,9 @@ def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
         (["--scale-to", "0.35"], "has no unit; write 0.35g or 0.35 m/s2"),
         (["--place", "house=400,house=30"], "house is given twice"),
         (["--place", "house=-200"], "must lie within the model"),
+        (["--below", "strength=3"], "--below: 'strength' is not"),
+        (["--below", "residual_cohesion=3"], "--below residual_cohesion: give residual_cohesion"),
+        (["--below", "unit_weight=3"], "--below unit_weight=3: must be from 10 to 30"),
         (["--scale-to", "0.35g,0.4"], "has no unit; write 0.4g or 0.4 m/s2"),
         (["--alternative", "wall=3"], "--alternative: 'wall' is not"),
         (["--alternative", "drained=3"], "there is no water to drain; give --water"),
