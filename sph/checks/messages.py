@@ -632,11 +632,9 @@ MESSAGES: dict[str, Message] = {
         "{value:g} layers",
         "{bound:g}",
     ),
-    "lattice-rearranges": warning(
-        "particles of wet ground that fails may move against their neighbours like a chessboard, also far from the slide, so that standing "
-        "ground counts as failed or moving",
-        "{value:.3g} spacings",
-        "{bound:g} of the cubic spline",
+    "lattice-rearranges": note(
+        "particles of wet ground that fails may move against their neighbours, so that more of it counts as failed or as moving",
+        "a smoothing length of {value:.3g} spacings, where {bound:g} of the cubic spline hold them",
         meaning="wet ground that loses strength by slip has a smoothing length with which its particles rearrange under pressure",
     ),
     "short-correlation": warning(

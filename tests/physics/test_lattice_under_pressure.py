@@ -118,7 +118,7 @@ def test_a_pattern_in_failed_ground_begins_as_theory_says_and_grows_only_where_t
 
 @pytest.mark.uncompiled
 @pytest.mark.parametrize(
-    ("changes", "warned"),
+    ("changes", "noted"),
     [
         ({"numerics": {"smoothing_ratio": 1.3}}, True),
         ({"numerics": {"smoothing_ratio": 1.15}}, True),
@@ -129,7 +129,7 @@ def test_a_pattern_in_failed_ground_begins_as_theory_says_and_grows_only_where_t
         ({"numerics": {"smoothing_ratio": 1.3}, "coupling": {"gamma": 100.0, "softening": {"slip_at_residual": None}}}, False),
     ],
 )
-def test_who_is_warned_of_it(changes: dict[str, Any], warned: bool) -> None:
+def test_who_is_told_of_it(changes: dict[str, Any], noted: bool) -> None:
     wet = read_scene("config/scenes/wet_slope.yaml")
     told = [each for each in findings(make_scene(merge(wet, changes))) if each.code == "lattice-rearranges"]
-    assert [(each.severity, each.keys) for each in told] == [("warning", ("numerics.smoothing_ratio",))] * warned
+    assert [(each.severity, each.keys) for each in told] == [("note", ("numerics.smoothing_ratio",))] * noted
