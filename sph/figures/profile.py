@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator
 from shapely import Polygon
 
+from sph.figures.labels import NAME
 from sph.figures.style import WIDTH, add_note, colour_map, label_panels, plain, soil_colours, styled, written
 from sph.measures.fields import FIELDS, LAYER, with_end
 from sph.measures.places import PlaceAt, foot_of
@@ -179,19 +180,29 @@ def probe_places(run: Run, frame: int) -> dict[str, tuple[float, float]]:
 
 
 def mark_probes(ax: Axes, run: Run, frame: int) -> None:
-    """A ring and the name at every probe."""
-    for name, place in probe_places(run, frame).items():
-        mark_place(ax, name, *place)
+    """A ring and the name at every probe; those of the same particle share one."""
+    for place, names in by_place(probe_places(run, frame)).items():
+        mark_place(ax, ", ".join(names), *place)
+
+
+def by_place(probes: Mapping[str, tuple[float, float]]) -> dict[tuple[float, float], list[str]]:
+    """The names of probes by their place."""
+    names = dict[tuple[float, float], list[str]]()
+    for name, place in probes.items():
+        names.setdefault(place, []).append(name)
+    return names
 
 
 def mark_place(ax: Axes, name: str, x: float, y: float, above: bool = False) -> None:
     """A ring and a name, on the side to which the slope falls."""
     side = 1 if ax.xaxis_inverted() else -1
-    ax.plot(x, y, marker="o", markersize=5, markerfacecolor="white", markeredgecolor="black", markeredgewidth=1.0, zorder=4)
+    ring: dict[str, Any] = {"markersize": 5, "markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 1.0}
+    ax.plot(x, y, marker="o", **ring, clip_on=False, zorder=4)
     halo = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
     offset, level = ((5 * side, 5), "bottom") if above else ((7 * side, 0), "center")
     align = "left" if side > 0 else "right"
-    ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", ha=align, va=level, weight="bold", bbox=halo, zorder=7)
+    look: dict[str, Any] = {"ha": align, "va": level, "weight": "bold", "bbox": halo, "zorder": 7, "gid": NAME}
+    ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", **look)
 
 
 def with_room(limits: Sequence[float], scene: Scene, places: Mapping[str, PlaceAt], width: float) -> tuple[float, float, float, float]:
@@ -210,7 +221,15 @@ def draw_places(ax: Axes, scene: Scene, places: Mapping[str, PlaceAt]) -> None:
     if not isinstance(geometry, SLOPES):
         return
     post = {"arrowstyle": "-", "color": PLACE_COLOUR, "linewidth": 1.0, "shrinkA": 0.0, "shrinkB": 0.0}
-    look: dict[str, Any] = {"color": PLACE_COLOUR, "size": "small", "weight": "bold", "bbox": HALO, "arrowprops": post, "zorder": 6}
+    look: dict[str, Any] = {
+        "color": PLACE_COLOUR,
+        "size": "small",
+        "weight": "bold",
+        "bbox": HALO,
+        "arrowprops": post,
+        "zorder": 6,
+        "gid": NAME,
+    }
     for name, at in places.items():
         foot = foot_of(at, geometry)
         above: dict[str, Any] = {"xytext": (0, POST), "textcoords": "offset points", "ha": "center", "va": "bottom", "rotation": 90}
