@@ -20,7 +20,7 @@ from sph.scene.configuration import found_file, merge, read_scene, read_yaml, sc
 from sph.scene.schema import Scene, check_unit, written_amplitude
 from sph.stability.record import YIELD
 from sph.storage.files import whole
-from sph.study.dimensions import ALTERNATIVE, BASE, RECORD, Dimension, dimension, short_names, title_of, value_of
+from sph.study.dimensions import ALTERNATIVE, BASE, RECORD, SYMBOLS, Dimension, dimension, short_names, title_of, value_of
 from sph.study.runs import BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
@@ -168,6 +168,12 @@ class Plan:
         dimensions = [each._replace(names=self._records()) if each.name == RECORD else each for each in dimensions]
         return [each._replace(plainly=True) for each in dimensions] if self.study.page == "client" else dimensions
 
+    @functools.cached_property
+    def drawn_dimensions(self) -> list[Dimension]:
+        """The dimensions as figures call them: in words where none has a symbol, so that a page for a client has the same figures."""
+        plain = [each._replace(plainly=True) for each in self.dimensions]
+        return self.dimensions if any(symbol in each.phrase for symbol in SYMBOLS for each in self.dimensions) else plain
+
     def _records(self) -> tuple[tuple[str, str], ...]:
         """The records of the study, as written, with what they are called: by their names where each has one of its own, else by their
         files."""
@@ -182,8 +188,8 @@ class Plan:
         if figure != PROFILES:
             return self.study.figure_titles(figure)
         points = self.study.runs.values()
-        differ = [dimension for dimension in self.dimensions if len({point[dimension.name] for point in points}) > 1]
-        return [[title_of(differ or self.dimensions, self.study.runs[name])] for name in self.study.profile_runs]
+        differ = [dimension for dimension in self.drawn_dimensions if len({point[dimension.name] for point in points}) > 1]
+        return [[title_of(differ or self.drawn_dimensions, self.study.runs[name])] for name in self.study.profile_runs]
 
     @property
     def note(self) -> str:

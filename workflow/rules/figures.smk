@@ -64,7 +64,7 @@ rule study_figure:
             lambda wildcards: {
                 "names": [*OF_ALL],
                 "layout": PLAN.layout._replace(labels=()),
-                "dimensions": PLAN.dimensions,
+                "dimensions": PLAN.drawn_dimensions,
                 "probe": PLAN.study.metrics.probe,
                 "note": PLAN.note,
             }
