@@ -163,7 +163,9 @@ def test_motion_is_the_stored_one_with_its_stages(slid: Run) -> None:
     np.testing.assert_array_equal(line.get_ydata(), slid["ground_acceleration"])
     assert np.ptp(line.get_ydata()) > 11.0
     shown = texts(figure).split("\n")
-    assert {"gravity", "shaking", "no shaking"} <= set(shown)
+    assert {"gravity", "shaking"} <= set(shown) and "in other runs" not in texts(figure)
+    assert axes(figure).get_xlim() == (0.0, slid.scene.motion.end) and slid.scene.motion.end < slid.scene.duration
+    assert axes(figure_motion(slid, others="× 2 and × 3")).get_title(loc="left").endswith("(0.612 g); in other runs × 2 and × 3")
     still = texts(figure_motion(synthetic(overrides={"motion": {"kind": "none"}}))).split("\n")
     assert "shaking" not in still and "gravity" in still
 
@@ -479,7 +481,7 @@ def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> 
     run = synthetic(translation(-3.0), overrides=scene)
     toe, base = run.scene.geometry.toe
     figures = {
-        "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
+        "profiles": figure_displaced({"one": run, "two": run}, places=PLACES, choice="2 of 6 runs: " + "those that move far, " * 8),
         "scene": figure_scenes([drawn(run.scene)._replace(places=PLACES)]),
         "section": figure_geometry(run, places=PLACES),
         "run": plot_trajectory(run, places=PLACES),

@@ -42,7 +42,9 @@ rule figure:
                 "marked": {
                     "places": PLAN.study.metrics.places,
                     "field": PLAN.study.figures.field,
+                    "others": PLAN.other_shakings,
                 },
+                "choice": PLAN.profile_choice,
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
