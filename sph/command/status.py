@@ -32,7 +32,7 @@ import netCDF4
 
 from sph.command.study import find_study
 from sph.jobs.ahead import finished
-from sph.jobs.log import read_log
+from sph.jobs.log import Log, read_log
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.storage.files import beside
@@ -118,7 +118,7 @@ class State(NamedTuple):
 
 def status(given: Path | None, configfile: Path | None, watching: bool, as_json: bool) -> str | None:
     """How the jobs of a study stand, in words or for machines; None where that was shown until all were done."""
-    catalogue = find_study(given, configfile)
+    catalogue = find_study(given, configfile, started=True)
 
     def look_again() -> list[State]:
         return look_at([*catalogue.plan.jobs, *catalogue.started], catalogue.base)
@@ -131,7 +131,19 @@ def status(given: Path | None, configfile: Path | None, watching: bool, as_json:
     if as_json:
         return to_json(record(catalogue.plan, states, others), indent=1)
     idle = Stand.RUNNING not in [*(each.state for each in states), *(each.state for each in others)]
-    return "\n".join([*lines(catalogue.plan, states, others), *[LOCKED] * (idle and any((catalogue.base / LOCKS).glob("*.lock")))])
+    locked = idle and any((catalogue.base / LOCKS).glob("*.lock"))
+    return "\n".join([*lines(catalogue.plan, states, others), *[_locked(catalogue.base)] * locked])
+
+
+def _locked(base: Path) -> str:
+    """Why a working folder is locked in which nothing of a study is at work, in words."""
+    folders = dict.fromkeys(path.parents[1] for path in (base / "results").glob("**/logs/*.log") if _at_work(read_log(path)))
+    others = ", ".join(folder.relative_to(base).as_posix() for folder in folders)
+    return f"at work in this folder, which locks it: {others}; sph status FOLDER shows it" if others else LOCKED
+
+
+def _at_work(log: Log | None) -> bool:
+    return log is not None and log.reason is None and log.process is not None and log.process.alive(log.age)
 
 
 def look_at(runs: Sequence[PlannedRun], base: Path) -> list[State]:
@@ -257,11 +269,12 @@ def _rest(time: float, since: float) -> float:
 
 
 def _speed(states: Sequence[State]) -> float:
-    """Speed of this machine over that of the reference machine, on finished runs, else on the gravity stage; NaN without these."""
-    runs, first = list(itertools.islice(speeds(states), SAMPLED)), states[0]
-    if runs or not first.computed > 0.0:
-        return statistics.median(runs) if runs else math.nan
-    return cost(first.job.scene, until=first.job.scene.gravity.duration).seconds / first.computed
+    """Speed of this machine over that of the reference machine, on finished runs, else on gravity stages; NaN without these."""
+    if runs := list(itertools.islice(speeds(states), SAMPLED)):
+        return statistics.median(runs)
+    done = [state for state in states if state.state == Stand.DONE and state.job.run.kind == Kind.GRAVITY and state.computed > 0.0]
+    stages = [cost(state.job.scene, until=state.job.scene.gravity.duration).seconds / state.computed for state in done[:SAMPLED]]
+    return statistics.median(stages) if stages else math.nan
 
 
 def speeds(states: Sequence[State]) -> Iterator[float]:
@@ -321,11 +334,11 @@ def sentence(plan: Plan, states: Sequence[State], beside: Sequence[Beside] = ())
     basis = f"from {_number(measured, 'benchmark')}" if measured else "from the progress of the running jobs"
     share = f"; {duration(needed.searches)} of {duration(needed.work)} of computing are static tests and searches"
     searches = share * (needed.searches >= 1.0)
-    at_least = f"; {_number(needed.unknown, 'job')} of unknown time not counted" if needed.unknown else ""
+    uncounted = f"; {_number(needed.unknown, 'job')} of unknown time not counted" if needed.unknown else ""
     if math.isnan(needed.time):
-        return f"{nothing}{duration(needed.work)} of computing remaining, {basis}{searches}{at_least}"
-    more = "; tables and figures need more time"
-    return f"time left: about {duration(needed.time)} with the {running} running now, {basis}{searches}{at_least}{more}"
+        return f"{nothing}{'at least ' * bool(needed.unknown)}{duration(needed.work)} of computing remaining, {basis}{searches}{uncounted}"
+    more, bound = "; tables and figures need more time", "at least" if needed.unknown else "about"
+    return f"time left: {bound} {duration(needed.time)} with the {running} running now, {basis}{searches}{uncounted}{more}"
 
 
 def _number(count: int, what: str) -> str:

@@ -9,19 +9,21 @@ from typing import Any
 
 import sph
 from sph.experiments.registry import load_study
-from sph.jobs.catalogue import Catalogue
+from sph.jobs.catalogue import FILE, Catalogue
 from sph.scene.configuration import merge, read_yaml
+from sph.study.plan import Plan
 from sph.study.sampling import chosen_study
 
 CONFIGURATION = Path("config", "config.yaml")
 """The configuration that ``snakemake`` reads unless it is given another, and over which one is laid that names no scene."""
 
 
-def find_study(given: Path | None, configfile: Path | None = None) -> Catalogue:
+def find_study(given: Path | None, configfile: Path | None = None, started: bool = False) -> Catalogue:
     """The catalogue of a study; by default that of ``CONFIGURATION`` in the working folder, as for ``snakemake``.
 
     What is given is a configuration, or ``.../results/<study>/<fidelity>``, which decides the fidelity; the configuration of another study
-    than that of ``CONFIGURATION``, which need not be there then, is found by its name.  ValueError names what does not fit.
+    than that of ``CONFIGURATION``, which need not be there then, is found by its name.  ``started``: a configuration has the fidelity at
+    which it was started last, by ``--config fidelity=...`` another than its own.  ValueError names what does not fit.
     """
     if given and (given.is_file() or given.suffix in (".yaml", ".yml")):
         if configfile:
@@ -46,7 +48,15 @@ def find_study(given: Path | None, configfile: Path | None = None) -> Catalogue:
             raise ValueError(f"{given}: {other}; give the configuration of this one with --configfile")
         data = {**data, "fidelity": place.name}
     folders = [base, Path(sph.__file__).parents[1]]
-    return Catalogue(load_study(data, folders), folders, base, check=False)
+    plan = load_study(data, folders)
+    return Catalogue(plan.at(_started_last(plan, base)) if started and not place else plan, folders, base, check=False)
+
+
+def _started_last(plan: Plan, base: Path) -> str:
+    """The fidelity of a study whose plan of runs was written last, at every start of its workflow; its own where none was."""
+    plans = [base / plan.at(name).folder / FILE for name in plan.study.fidelities]
+    written = [path for path in plans if path.is_file()]
+    return max(written, key=lambda path: path.stat().st_mtime).parent.name if written else plan.study.fidelity
 
 
 def _configuration_of(study: str, base: Path) -> Path | None:

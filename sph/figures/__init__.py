@@ -10,6 +10,7 @@ Those of an experiment are in its folder.
 * ``film``: one trajectory through time (``sph animate``)
 * ``scene``: a scene before it is run (``sph check``)
 * ``study``: a study of any dimensions: curves and a map
+* ``labels``: names at places of a section, kept apart
 * ``style``: sizes, fonts, colours, the note on every figure, saving
 """
 
@@ -30,9 +31,9 @@ from sph.figures.style import save
 from sph.study.schema import INPUT_FIGURES, MOBILISED, PROFILES
 
 __all__ = [
+    "MARKED",
     "RUN_FIGURES",
     "STUDY_FIGURES",
-    "WITH_PLACES",
     "caption",
     "figure_displaced",
     "figure_arrangement",
@@ -54,8 +55,9 @@ RUN_FIGURES: dict[str, Callable[..., Figure]] = {
 """Figures of one run or of some, by the names of their files: functions of the run, or of runs by title, and the fidelity."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study, "map": figure_map}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
-WITH_PLACES = (PROFILES,)
-"""Figures of runs that mark the places of a study, which they take by name as ``places``."""
+MARKED = {INPUT_FIGURES[0]: ("places",), INPUT_FIGURES[1]: ("others",), PROFILES: ("places", "field", "choice")}
+"""What figures of runs take from their study beside these, by name: places to mark, how other runs are shaken, the quantity to
+show, which runs these are."""
 
 
 def caption(figure: Callable[..., Any]) -> str:

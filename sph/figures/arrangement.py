@@ -18,10 +18,13 @@ from matplotlib.patheffects import withStroke
 
 from sph.checks.equilibrium import found_equilibrium
 from sph.figures.history import shade_shaking
+from sph.figures.labels import NAME
 from sph.figures.profile import (
     HALO,
     PER_INCH,
+    by_place,
     draw_circles,
+    draw_places,
     layer_colours,
     layer_outlines,
     mark_place,
@@ -29,9 +32,11 @@ from sph.figures.profile import (
     stack_of_profiles,
     surface_line,
     survey_axes,
+    with_room,
 )
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, plain, styled, written
 from sph.measures.metrics import AREA_THRESHOLDS
+from sph.measures.places import PlaceAt, foot_of
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.layers import LayerMaterial
@@ -58,26 +63,30 @@ TWO_COLUMNS = 9.0
 """Inches of a figure from which on that legend has two columns."""
 NAMED = 0.12
 """Least part of the duration of a stage whose name has room."""
+ASIDE, CLEAR = (0.04, 0.06, 0.08, 0.1, 0.12), 0.02
+"""Where the height of the slope stands before its toe, the nearest first, and its distance from a post, over the width of the box."""
 TITLE = 80
 """Most characters in a line of a title."""
 
 
 @styled
-def figure_geometry(run: Run, fidelity: str = "") -> Figure:
+def figure_geometry(run: Run, fidelity: str = "", places: Mapping[str, PlaceAt] | None = None) -> Figure:
     """Section of the slope with its layers and their properties, the critical slip surfaces, and the box that holds it; A is the particle
-    at the crest edge whose motion is followed.  What the study varies has the values of its first run.
+    at the crest edge whose motion is followed.  Posts stand at the places that debris may reach.  What the study varies has the values of
+    its first run.
 
-    ``run`` is any of the scene.  Raises ValueError for a shape without a slope.
+    ``run`` is any of the scene, ``places`` are as in ``metrics.places``.  Raises ValueError for a shape without a slope.
     """
     scene = run.scene
     geometry = scene.geometry
     if not isinstance(geometry, SLOPES):
         raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
     dimensioned = isinstance(geometry, Slope)
-    reach, top, bottom = 0.09 * geometry.width, 1.1 * geometry.height, (-0.22 if dimensioned else -0.11) * geometry.height
+    reach, bottom = 0.09 * geometry.width, (-0.22 if dimensioned else -0.11) * geometry.height
+    limits = with_room((-reach, geometry.width + reach, bottom, 1.1 * geometry.height), scene, places or {}, WIDTH)
     equilibrium = found_equilibrium(scene)
     lines = len(scene.soils) + (0 if equilibrium is None else 2)
-    height = WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.4 if dimensioned else 0.75) + LEGEND_LINE * lines
+    height = WIDTH * (limits[3] - bottom) / (geometry.width + 2 * reach) + (0.4 if dimensioned else 0.75) + LEGEND_LINE * lines
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     ax = figure.subplots()
     draw_box(ax, scene)
@@ -86,8 +95,9 @@ def figure_geometry(run: Run, fidelity: str = "") -> Figure:
     draw_seams(ax, scene)
     draw_water(ax, scene)
     surfaces = draw_surfaces(ax, equilibrium)
-    survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
-    mark_places(ax, scene, probe_places(run, 0), height=not dimensioned)
+    survey_axes(ax, scene, limits)
+    mark_places(ax, scene, probe_places(run, 0), height=not dimensioned, places=places)
+    draw_places(ax, scene, places or {})
     if isinstance(geometry, Slope):
         _draw_dimensions(ax, geometry)
         ax.axis("off")
@@ -216,23 +226,25 @@ def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
 
 
 def mark_places(
-    ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True, before_the_toe: bool = False
+    ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True, places: Mapping[str, PlaceAt] | None = None
 ) -> None:
-    """Probes, toe and crest edge by name, a probe at one of these by both names; with ``height`` the height between them, whose number
-    lies above the crest's level where something else stands ``before_the_toe``.
+    """Probes, toe and crest edge by name, a probe at one of these by both names; with ``height`` the height between them, beside the posts
+    at ``places``, above which its number then lies.
     """
     geometry, near = scene.geometry, 2.0 * scene.numerics.spacing
     edges = {"toe": geometry.toe, "crest": geometry.crest} if isinstance(geometry, SLOPES) else {}
-    for name, place in probes.items():
-        at = [edge for edge, corner in edges.items() if math.dist(place, corner) < near]
+    for place, names in by_place(probes).items():
+        at, name = [edge for edge, corner in edges.items() if math.dist(place, corner) < near], ", ".join(names)
         mark_place(ax, f"{name} ({at[0]})" if at else name, *place, above=True)
         edges = {edge: corner for edge, corner in edges.items() if edge not in at}
     for edge, corner in edges.items():
         ax.plot(*corner, linestyle="none", marker="^", markersize=5, color="black", zorder=4)
-        ax.annotate(edge, corner, xytext=(0, 7), textcoords="offset points", ha="center", va="bottom", bbox=HALO)
+        ax.annotate(edge, corner, xytext=(0, 7), textcoords="offset points", ha="center", va="bottom", bbox=HALO, gid=NAME)
     if height and isinstance(geometry, SLOPES):
         (toe_x, toe_y), (crest_x, crest_y) = geometry.toe, geometry.crest
-        x = toe_x - 0.04 * geometry.width
+        posts = [foot_of(at, geometry)[0] for at in (places or {}).values()]
+        beside = [toe_x - part * geometry.width for part in ASIDE]
+        x = next((x for x in beside if all(abs(x - post) > CLEAR * geometry.width for post in posts)), beside[0])
         for end, level in ((crest_x, crest_y), (toe_x, toe_y)):
             ax.plot([x, end], [level, level], color=GREY, linewidth=0.4)
         _dimension(ax, (x, toe_y), (x, crest_y), "")
@@ -240,11 +252,11 @@ def mark_places(
         side = geometry.direction
         ax.annotate(
             text,
-            (x, crest_y if before_the_toe else 0.35 * toe_y + 0.65 * crest_y),
-            xytext=(-5 * side, 3 if before_the_toe else 0),
+            (x, crest_y if places else 0.35 * toe_y + 0.65 * crest_y),
+            xytext=(-5 * side, 3 if places else 0),
             textcoords="offset points",
             ha="right" if side > 0 else "left",
-            va="bottom" if before_the_toe else "center",
+            va="bottom" if places else "center",
             bbox=HALO,
         )
 

@@ -17,6 +17,7 @@ from PIL import Image
 
 from sph.figures.arrangement import coupling_words
 from sph.figures.history import shade_shaking
+from sph.figures.labels import spread
 from sph.figures.profile import (
     LINE,
     LONG_TITLE,
@@ -128,6 +129,7 @@ def draw_film(
         time = float(run["time"][frame])
         profile.set_title(f"{title}\nt = {time:5.2f} s, {coupling}", loc="left")
         survey_axes(profile, scene, (left, right, lower, upper))
+        spread(profile)
         if now is not None:
             now.set_xdata([time, time])
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator
 from shapely import Polygon
 
+from sph.figures.labels import NAME
 from sph.figures.style import WIDTH, add_note, colour_map, label_panels, plain, soil_colours, styled, written
 from sph.measures.fields import FIELDS, LAYER, with_end
 from sph.measures.places import PlaceAt, foot_of
@@ -36,6 +38,8 @@ FINE = 400
 """Points along a level side of a layer."""
 PER_INCH = 14.0
 """Characters of a label in an inch."""
+CHOICE = 110
+"""Most characters in a line of the sentence on the choice of runs."""
 LONG_TITLE, LINE = 72, 0.17
 """Most characters in a line of a panel's title, and the inches that another line needs."""
 
@@ -179,19 +183,29 @@ def probe_places(run: Run, frame: int) -> dict[str, tuple[float, float]]:
 
 
 def mark_probes(ax: Axes, run: Run, frame: int) -> None:
-    """A ring and the name at every probe."""
-    for name, place in probe_places(run, frame).items():
-        mark_place(ax, name, *place)
+    """A ring and the name at every probe; those of the same particle share one."""
+    for place, names in by_place(probe_places(run, frame)).items():
+        mark_place(ax, ", ".join(names), *place)
+
+
+def by_place(probes: Mapping[str, tuple[float, float]]) -> dict[tuple[float, float], list[str]]:
+    """The names of probes by their place."""
+    names = dict[tuple[float, float], list[str]]()
+    for name, place in probes.items():
+        names.setdefault(place, []).append(name)
+    return names
 
 
 def mark_place(ax: Axes, name: str, x: float, y: float, above: bool = False) -> None:
     """A ring and a name, on the side to which the slope falls."""
     side = 1 if ax.xaxis_inverted() else -1
-    ax.plot(x, y, marker="o", markersize=5, markerfacecolor="white", markeredgecolor="black", markeredgewidth=1.0, zorder=4)
+    ring: dict[str, Any] = {"markersize": 5, "markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 1.0}
+    ax.plot(x, y, marker="o", **ring, clip_on=False, zorder=4)
     halo = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
     offset, level = ((5 * side, 5), "bottom") if above else ((7 * side, 0), "center")
     align = "left" if side > 0 else "right"
-    ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", ha=align, va=level, weight="bold", bbox=halo, zorder=7)
+    look: dict[str, Any] = {"ha": align, "va": level, "weight": "bold", "bbox": halo, "zorder": 7, "gid": NAME}
+    ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", **look)
 
 
 def with_room(limits: Sequence[float], scene: Scene, places: Mapping[str, PlaceAt], width: float) -> tuple[float, float, float, float]:
@@ -210,7 +224,15 @@ def draw_places(ax: Axes, scene: Scene, places: Mapping[str, PlaceAt]) -> None:
     if not isinstance(geometry, SLOPES):
         return
     post = {"arrowstyle": "-", "color": PLACE_COLOUR, "linewidth": 1.0, "shrinkA": 0.0, "shrinkB": 0.0}
-    look: dict[str, Any] = {"color": PLACE_COLOUR, "size": "small", "weight": "bold", "bbox": HALO, "arrowprops": post, "zorder": 6}
+    look: dict[str, Any] = {
+        "color": PLACE_COLOUR,
+        "size": "small",
+        "weight": "bold",
+        "bbox": HALO,
+        "arrowprops": post,
+        "zorder": 6,
+        "gid": NAME,
+    }
     for name, at in places.items():
         foot = foot_of(at, geometry)
         above: dict[str, Any] = {"xytext": (0, POST), "textcoords": "offset points", "ha": "center", "va": "bottom", "rotation": 90}
@@ -229,6 +251,13 @@ def field_norm(runs: Mapping[str, Run], field: str, *frames: int) -> Normalize:
     zero = min(run.scene.geometry.origin[1] for run in runs.values()) if field == "initial_height" else 0.0
     low = zero if low > zero else low
     return Normalize(low, high if high > low else low + 1.0)
+
+
+def moving_farthest(groups: Sequence[Sequence[str]], moved: Callable[[str], float], most: int) -> list[str]:
+    """At most so many of some names, in their order: of each group the one that has ``moved`` farthest before a second one."""
+    ranked = [sorted(group, key=moved, reverse=True) for group in groups] if sum(map(len, groups)) > most else groups
+    first = [name for each in zip_longest(*ranked) for name in each if name is not None][:most]
+    return [name for group in groups for name in group if name in first]
 
 
 def stack_of_profiles(runs: Mapping[str, Run], frame: int, field: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:
@@ -272,15 +301,23 @@ def figure_profiles(runs: Mapping[str, Run], fidelity: str = "") -> Figure:
 
 @styled
 def figure_displaced(
-    runs: Mapping[str, Run], fidelity: str = "", places: Mapping[str, PlaceAt] | None = None, field: str = "displacement"
+    runs: Mapping[str, Run],
+    fidelity: str = "",
+    places: Mapping[str, PlaceAt] | None = None,
+    field: str = "displacement",
+    choice: str = "",
 ) -> Figure:
     """Profiles of the slope at the end of the run, coloured on one scale; particles of the box are white, the line is the initial surface,
     dotted lines are layers as they lay at the start, A is the particle at the original crest edge.  Posts stand at the places that debris
     may reach.
 
-    ``runs`` by panel title, ``places`` as in ``metrics.places``, ``field`` a name of ``FIELDS``.  Raises ValueError without runs.
+    ``runs`` by panel title, ``places`` as in ``metrics.places``, ``field`` a name of ``FIELDS``; ``choice`` says which of how many
+    runs these are.  Raises ValueError without runs.
     """
-    return _profiles(runs, field, fidelity, places)
+    figure = _profiles(runs, field, fidelity, places)
+    if choice:
+        figure.suptitle(textwrap.fill(plain(choice), CHOICE), x=0.01, ha="left", fontsize=8)
+    return figure
 
 
 def _profiles(runs: Mapping[str, Run], field: str, fidelity: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:

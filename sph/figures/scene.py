@@ -99,9 +99,9 @@ def _draw(figure: SubFigure, drawn: Drawn, panel: _Panel, run: Run | None) -> in
     failed = [] if run is None else draw_failed(ax, run)
     surfaces = [*failed, *draw_surfaces(ax, drawn.equilibrium)]
     at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in drawn.probes.items()}
-    mark_places(ax, scene, at, before_the_toe=bool(drawn.places))
-    draw_places(ax, scene, drawn.places)
     survey_axes(ax, scene, panel.limits)
+    mark_places(ax, scene, at, places=drawn.places)
+    draw_places(ax, scene, drawn.places)
     ax.set_title(plain(drawn.name.replace("_", " ") or scene.title or scene.name), loc="left")
     for quantity, below_it in zip(panel.varying, maps, strict=True):
         _draw_strength(below_it, scene, particles, quantity)

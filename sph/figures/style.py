@@ -17,6 +17,7 @@ from matplotlib.axis import Axis
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 
+from sph.figures.labels import keep_apart
 from sph.scene.schema import Scene
 from sph.scene.units import GRAVITY
 from sph.storage.files import whole
@@ -59,12 +60,14 @@ P = ParamSpec("P")
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Draw a figure in the common style, without touching matplotlib's settings outside."""
+    """Draw a figure in the common style, its names of places apart, without touching matplotlib's settings outside."""
 
     @functools.wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> Figure:
         with matplotlib.rc_context(STYLE):
-            return draw(*args, **kwargs)
+            figure = draw(*args, **kwargs)
+            keep_apart(figure)
+            return figure
 
     return drawn
 

@@ -53,8 +53,9 @@ DATA = "@@data@@"
 """Place of the runs in the page."""
 MARKS: dict[str, str] = {
     HOLDS: "good", FAILS: "bad", MISSES: "bad", Status.DIVERGED: "bad", NOT_YET: "open", AT_LEAST: "open", NOT_COVERED: "open",
+    NOTHING: "nothing",
 }  # fmt: skip
-"""Verdicts that tables mark, by the style of the mark."""
+"""Verdicts and empty cells that tables mark, by the style of the mark."""
 
 
 class StudyFiles(NamedTuple):

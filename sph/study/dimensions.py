@@ -188,8 +188,10 @@ WORDS = {
     "softening.slip_at_residual": "slip at the residual strength",
 }
 """Parts of keys, and ends of two parts, that are not read as they are written."""
-PLAIN = {"S_R": "residual strength ratio", "γ": "rate of the loss of strength", "amplitude": "amplitude of shaking"}
-"""Symbols in words, for readers who do not know them."""
+SYMBOLS = {"S_R": "residual strength ratio", "γ": "rate of the loss of strength"}
+"""Symbols, and what they are called in words."""
+PLAIN = {**SYMBOLS, "amplitude": "amplitude of shaking"}
+"""What readers are told who do not know the symbols."""
 UNNAMED = ("soil", "coupling", "numerics", "geometry", "region", "uncertain", "variables")
 """Sections that the name of a key does without."""
 

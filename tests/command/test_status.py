@@ -51,7 +51,7 @@ class Folder:
         with netCDF4.Dataset(path, "w") as ds:
             ds.setncatts({"scene": json.dumps(scene | changes), "status": status, "wall_time_s": took})
         benchmark = self.path / "benchmarks" / f"{name}.tsv"
-        benchmark.parent.mkdir(exist_ok=True)
+        benchmark.parent.mkdir(parents=True, exist_ok=True)
         benchmark.write_text(f"s\th:m:s\n{took}\t0:00:00\n")
 
     def log(self, name: str, process: Process, *lines: str, age: float = 0.0) -> None:
@@ -250,6 +250,25 @@ def test_a_stage_that_all_runs_share_is_none_of_them(study: Folder) -> None:
     assert left(study).work < 1000.0
 
 
+@pytest.mark.parametrize("study", [{"grid": {"S_R": ["0.10", "0.50"]}, "second_fidelity": "coarse"}], indirect=True)
+def test_any_gravity_stage_tells_the_speed(study: Folder) -> None:
+    """Also that of the coarser fidelity, which is made first: what is not measured is then predicted."""
+    ahead = next(job for job in study.jobs.values() if job.run.group.startswith("gravity at"))
+    study.finish(ahead.run.id, 2.0 * cost(ahead.scene, until=1.0).seconds)
+    states = look_at(study.plan.jobs, study.base)
+    assert [state.state for state in states].count("done") == 1 and states[0].state == "waiting"
+    parts = [job_cost(state.job.run).seconds for state in states if state.state == "waiting"]
+    found = estimate(study.plan, states, look_beside(study.plan, study.base))
+    assert found.unknown == 0 and found.work == pytest.approx(2.0 * math.fsum([*parts, *plan_seconds(study.plan)]))
+
+
+def test_a_time_that_counts_some_jobs_only_is_a_bound(study: Folder) -> None:
+    made(study)
+    study.log("gravity", HERE, told(0.5, 50.0))
+    words = sentence(study.plan, study.states())
+    assert words.startswith("time left: at least 50 s with the 1 running now") and "11 jobs of unknown time not counted" in words
+
+
 def test_words_for_what_is_left(study: Folder) -> None:
     made(study)
     assert sentence(study.plan, study.states()) == "nothing is running; time left: unknown until the first job is done"
@@ -288,6 +307,37 @@ def test_a_killed_snakemake_leaves_a_lock_and_the_way_out_is_told(study: Folder)
     assert "--unlock" in call(study.path).stdout.splitlines()[-1]
     study.log("gravity", HERE)
     assert "--unlock" not in call(study.path).stdout, "by a snakemake that is at work"
+
+
+def test_a_lock_of_work_elsewhere_names_that(study: Folder) -> None:
+    """No advice to unlock the folder of a run in progress."""
+    (study.base / ".snakemake" / "locks").mkdir(parents=True)
+    (study.base / ".snakemake" / "locks" / "0.output.lock").touch()
+    log = study.base / "results" / "other" / "coarse" / "logs" / "yield_acceleration.log"
+    log.parent.mkdir(parents=True)
+    log.write_text(line_of(PROCESS, **HERE._asdict()))
+    last = call(study.path).stdout.splitlines()[-1]
+    assert last == "at work in this folder, which locks it: results/other/coarse; sph status FOLDER shows it"
+    log.write_text(line_of(PROCESS, **GONE._asdict()))
+    assert "--unlock" in call(study.path).stdout.splitlines()[-1]
+
+
+def test_a_configuration_is_followed_at_the_fidelity_started_last(study: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By ``--config fidelity=coarse``: its searches run there, in no job of the configuration's own fidelity."""
+    monkeypatch.chdir(study.base)
+    assert "results/small/draft: " in call("config/config.yaml").stdout
+    other = study.path.with_name("coarse")
+    log = other / "logs" / "yield_acceleration.log"
+    log.parent.mkdir(parents=True)
+    (other / "plan.json").write_text("{}")
+    log.write_text(line_of(PROCESS, **HERE._asdict()))
+    for shown in (call("config/config.yaml").stdout, call().stdout):
+        assert "results/small/coarse: " in shown and "running: yield_acceleration: 0 trials so far" in shown
+    assert "results/small/draft: " in call(study.path).stdout, "a folder is that of its fidelity"
+    os.utime(other / "plan.json", (0.0, 0.0))
+    (study.path).mkdir(exist_ok=True)
+    (study.path / "plan.json").write_text("{}")
+    assert "results/small/draft: " in call("config/config.yaml").stdout
 
 
 def call(*arguments: object) -> Any:

@@ -13,6 +13,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from overprint import overprints
 from synthetic import step_ramp, synthetic, translation
 
@@ -33,6 +34,7 @@ from sph.figures import (
 )
 from sph.figures.arrangement import motion_name, stays_words
 from sph.figures.before_after import figure_before_after
+from sph.figures.labels import NAME
 from sph.figures.profile import field_norm, layer_colours
 from sph.figures.scene import Drawn, figure_scenes
 from sph.figures.study import BOUNDED
@@ -161,7 +163,9 @@ def test_motion_is_the_stored_one_with_its_stages(slid: Run) -> None:
     np.testing.assert_array_equal(line.get_ydata(), slid["ground_acceleration"])
     assert np.ptp(line.get_ydata()) > 11.0
     shown = texts(figure).split("\n")
-    assert {"gravity", "shaking", "no shaking"} <= set(shown)
+    assert {"gravity", "shaking"} <= set(shown) and "in other runs" not in texts(figure)
+    assert axes(figure).get_xlim() == (0.0, slid.scene.motion.end) and slid.scene.motion.end < slid.scene.duration
+    assert axes(figure_motion(slid, others="× 2 and × 3")).get_title(loc="left").endswith("(0.612 g); in other runs × 2 and × 3")
     still = texts(figure_motion(synthetic(overrides={"motion": {"kind": "none"}}))).split("\n")
     assert "shaking" not in still and "gravity" in still
 
@@ -477,8 +481,9 @@ def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> 
     run = synthetic(translation(-3.0), overrides=scene)
     toe, base = run.scene.geometry.toe
     figures = {
-        "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
+        "profiles": figure_displaced({"one": run, "two": run}, places=PLACES, choice="2 of 6 runs: " + "those that move far, " * 8),
         "scene": figure_scenes([drawn(run.scene)._replace(places=PLACES)]),
+        "section": figure_geometry(run, places=PLACES),
         "run": plot_trajectory(run, places=PLACES),
         "before and after": figure_before_after(run, "one", PLACES),
     }
@@ -487,6 +492,36 @@ def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> 
         assert posts["road"][0] == pytest.approx(toe - 12.0) and posts["house of the guard"][0] == pytest.approx(toe - 20.0), name
         assert overprints(figure) == [], name
     assert posts["road"][1] <= base + 1e-9 or scene, "on the ground"
+
+
+CLOSE = {"way": "2 beyond the toe", "road": "5 beyond the toe", "house": "40 beyond the toe"}
+
+
+@SECTIONS
+def test_names_of_places_side_by_side_keep_apart(scene: dict[str, Any]) -> None:
+    """Probes behind the crest edge and at it, the toe and a place before it: no name over another one or over the ring of another."""
+    run = synthetic(translation(0.0), overrides=scene)
+    geometry = run.scene.geometry
+    crest_x, crest_y = geometry.crest
+    probes = {"A": "crest_edge", "B": "crest_edge", "track": geometry.in_survey(crest_x + 3.0, crest_y - 0.5)}
+    run = synthetic(translation(0.0), overrides={**scene, "probes": probes})
+    figures = {
+        "section": figure_geometry(run, places=CLOSE),
+        "scene": figure_scenes([drawn(run.scene)._replace(places=CLOSE)]),
+        "particles": figure_arrangement(run),
+        "before and after": figure_before_after(run, "one", CLOSE),
+    }
+    for name, figure in figures.items():
+        figure.draw_without_rendering()
+        section = axes(figure)
+        names = {text.get_text(): text for text in section.texts if text.get_gid() == NAME}
+        boxes = {word: Text.get_window_extent(text) for word, text in names.items()}
+        assert {"A, B (crest)", "track", "toe", *CLOSE} <= {*names} or {"A, B", "track"} <= {*names}, name
+        assert not [pair for pair in itertools.combinations(boxes, 2) if boxes[pair[0]].overlaps(boxes[pair[1]])], name
+        rings = {word: section.transData.transform(text.xy) for word, text in names.items()}
+        assert not [
+            (word, ring) for word, ring in itertools.product(boxes, rings) if word != ring and boxes[word].contains(*rings[ring])
+        ], name
 
 
 def test_titles_and_legends_name_what_each_layer_keeps() -> None:

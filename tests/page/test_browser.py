@@ -15,8 +15,10 @@ import pandas as pd
 import pytest
 from made import FOLDER, RIGHT, listed_study, made_study
 from PIL import Image
+from test_answer import RUNS
 
 from sph.page.build import StudyFiles, write_page
+from sph.page.places import at_places
 from sph.page.tables import metres
 from sph.study.tables import read_table
 
@@ -257,6 +259,23 @@ def test_the_first_screen_shows_before_it_tells(browser: Browser, size: tuple[in
     order = "const at = (id) => document.getElementById(id); return at(arguments[0]).compareDocumentPosition(at(arguments[1]))"
     assert browser.run(order, "overview", "answer") == browser.run(order, "answer", "explorer") == 4, "each before the next"
     assert browser.run("return document.documentElement.scrollWidth <= innerWidth"), "a matrix scrolls by itself"
+
+
+def test_all_that_is_known_of_a_place_is_on_the_screen_of_a_phone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sph.page.answer.at_places", lambda *_: at_places(RUNS))
+    with chdir(tmp_path):
+        write_page(f"{FOLDER}/report.html", made_study())
+        browser = Browser(Path(FOLDER, "report.html"))
+    try:
+        browser.open(*PHONE)
+        cells = "[...document.querySelectorAll('#places td')].filter((of) => of.offsetParent)"
+        assert max(browser.run(f"return {cells}.map((of) => of.getBoundingClientRect().right)")) <= PHONE[0]
+        label = f"return {cells}.map((of) => getComputedStyle(of, '::before').content.replaceAll('\"', '') + of.textContent)"
+        assert "depth up to (m): 2.10" in browser.run(label) and not any("\N{EN DASH}" in cell for cell in browser.run(label))
+        browser.open(*DESK)
+        assert browser.run(f"return {cells}.length") == browser.run("return document.querySelectorAll('#places td').length")
+    finally:
+        browser.driver.quit()
 
 
 def test_a_cell_of_the_matrix_opens_its_run(browser: Browser) -> None:

@@ -47,6 +47,16 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return KEYS | {"grid": {"amplitude": ["4.0", "8.0"]}}
 
 
+def test_a_page_for_a_client_has_the_figures_of_the_full_one(study: dict[str, Any]) -> None:
+    """Which are not drawn again for other words, unless a symbol stands in them."""
+    full, client = (load_study(study | {"page": page}) for page in ("full", "client"))
+    assert full.drawn_dimensions == client.drawn_dimensions and full.figure_titles("profiles") == client.figure_titles("profiles")
+    assert full.dimensions != client.dimensions
+    rates = study | {"grid": {"gamma": ["1", "100"]}}
+    assert load_study(rates).drawn_dimensions[0].symbol == "γ"
+    assert load_study(rates | {"page": "client"}).drawn_dimensions[0].symbol == "rate of the loss of strength"
+
+
 def test_every_run_is_made_for_each_alternative(study: dict[str, Any]) -> None:
     """With their names; keys, files and water lines lie over the scene, and stages are shared where nothing differs before them."""
     plan = load_study(study)

@@ -42,7 +42,9 @@ rule figure:
                 "marked": {
                     "places": PLAN.study.metrics.places,
                     "field": PLAN.study.figures.field,
+                    "others": PLAN.other_shakings,
                 },
+                "choice": PLAN.profile_choice,
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
@@ -64,7 +66,7 @@ rule study_figure:
             lambda wildcards: {
                 "names": [*OF_ALL],
                 "layout": PLAN.layout._replace(labels=()),
-                "dimensions": PLAN.dimensions,
+                "dimensions": PLAN.drawn_dimensions,
                 "probe": PLAN.study.metrics.probe,
                 "note": PLAN.note,
             }
