@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,8 @@ FINE = 400
 """Points along a level side of a layer."""
 PER_INCH = 14.0
 """Characters of a label in an inch."""
+CHOICE = 110
+"""Most characters in a line of the sentence on the choice of runs."""
 LONG_TITLE, LINE = 72, 0.17
 """Most characters in a line of a panel's title, and the inches that another line needs."""
 
@@ -250,6 +253,13 @@ def field_norm(runs: Mapping[str, Run], field: str, *frames: int) -> Normalize:
     return Normalize(low, high if high > low else low + 1.0)
 
 
+def moving_farthest(groups: Sequence[Sequence[str]], moved: Callable[[str], float], most: int) -> list[str]:
+    """At most so many of some names, in their order: of each group the one that has ``moved`` farthest before a second one."""
+    ranked = [sorted(group, key=moved, reverse=True) for group in groups] if sum(map(len, groups)) > most else groups
+    first = [name for each in zip_longest(*ranked) for name in each if name is not None][:most]
+    return [name for group in groups for name in group if name in first]
+
+
 def stack_of_profiles(runs: Mapping[str, Run], frame: int, field: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:
     """Profiles of one frame below each other, a title for each, one colour bar; x axis and scale are common."""
     if not runs:
@@ -291,15 +301,23 @@ def figure_profiles(runs: Mapping[str, Run], fidelity: str = "") -> Figure:
 
 @styled
 def figure_displaced(
-    runs: Mapping[str, Run], fidelity: str = "", places: Mapping[str, PlaceAt] | None = None, field: str = "displacement"
+    runs: Mapping[str, Run],
+    fidelity: str = "",
+    places: Mapping[str, PlaceAt] | None = None,
+    field: str = "displacement",
+    choice: str = "",
 ) -> Figure:
     """Profiles of the slope at the end of the run, coloured on one scale; particles of the box are white, the line is the initial surface,
     dotted lines are layers as they lay at the start, A is the particle at the original crest edge.  Posts stand at the places that debris
     may reach.
 
-    ``runs`` by panel title, ``places`` as in ``metrics.places``, ``field`` a name of ``FIELDS``.  Raises ValueError without runs.
+    ``runs`` by panel title, ``places`` as in ``metrics.places``, ``field`` a name of ``FIELDS``; ``choice`` says which of how many
+    runs these are.  Raises ValueError without runs.
     """
-    return _profiles(runs, field, fidelity, places)
+    figure = _profiles(runs, field, fidelity, places)
+    if choice:
+        figure.suptitle(textwrap.fill(plain(choice), CHOICE), x=0.01, ha="left", fontsize=8)
+    return figure
 
 
 def _profiles(runs: Mapping[str, Run], field: str, fidelity: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:

@@ -20,7 +20,18 @@ from sph.scene.configuration import found_file, merge, read_scene, read_yaml, sc
 from sph.scene.schema import Scene, check_unit, written_amplitude
 from sph.stability.record import YIELD
 from sph.storage.files import whole
-from sph.study.dimensions import ALTERNATIVE, BASE, RECORD, SYMBOLS, Dimension, dimension, short_names, title_of, value_of
+from sph.study.dimensions import (
+    ALTERNATIVE,
+    AMPLITUDE,
+    BASE,
+    RECORD,
+    SYMBOLS,
+    Dimension,
+    dimension,
+    short_names,
+    title_of,
+    value_of,
+)
 from sph.study.runs import BaseScene, Kind, PlannedRun, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MAX_SHOWN, PROFILES, Point, Study
@@ -187,9 +198,31 @@ class Plan:
         """Titles of the runs of a figure: of profiles the dimensions in which runs of the study differ; none where it shows one run."""
         if figure != PROFILES:
             return self.study.figure_titles(figure)
-        points = self.study.runs.values()
-        differ = [dimension for dimension in self.drawn_dimensions if len({point[dimension.name] for point in points}) > 1]
+        points, told = self.study.runs.values(), AMPLITUDE if self._all_strongest else ""
+        differ = [each for each in self.drawn_dimensions if each.name != told and len({point[each.name] for point in points}) > 1]
         return [[title_of(differ or self.drawn_dimensions, self.study.runs[name])] for name in self.study.profile_runs]
+
+    @property
+    def profile_choice(self) -> dict[str, Any]:
+        """Among which files the figure of profiles chooses, by groups, and of how many runs, by what rule; no groups where none is left."""
+        groups, size = self.study.profile_groups, len(self.study.runs)
+        words, rule = f"{size:,} runs", ""
+        if self._all_strongest:
+            point = next(iter(self.study.strongest_runs.values()))
+            at = next((each.said(point[AMPLITUDE]) for each in self.drawn_dimensions if each.name == AMPLITUDE), "")
+            words, size = f"the {len(self.study.strongest_runs):,} runs with the strongest shaking, {at}", len(self.study.strongest_runs)
+        if len(groups) > 1 and any(len(group) > 1 for group in groups):
+            rule = f": of each alternative first the one in which {self.study.metrics.probe} moves farthest"
+        elif groups:
+            rule = ": evenly through the study"
+        files = [[self.shared.runs[name].file for name in group] for group in groups]
+        return {"groups": files, "of": words, "size": size, "rule": rule, "probe": self.study.metrics.probe}
+
+    @property
+    def _all_strongest(self) -> bool:
+        """Whether the study varies the shaking, and its profiles are all of the strongest."""
+        names, strongest = [name for group in self.study.profile_groups for name in group], self.study.strongest_runs
+        return len(strongest) < len(self.study.runs) and bool(names) and all(name in strongest for name in names)
 
     @property
     def note(self) -> str:

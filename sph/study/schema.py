@@ -52,8 +52,8 @@ PROFILES = "profiles"
 """The figure of some runs at their end."""
 OF_ALL_RUNS = {"study": 1, "map": 2}
 """The figures of all runs, with the fewest dimensions in which runs must differ for it to show anything."""
-FEW_PROFILES = 4
-"""Runs that it shows where the study does not choose them."""
+FEW_PROFILES, CANDIDATES = 4, 12
+"""Runs that it shows where the study does not choose them, and most of the strongest shaking among which it chooses."""
 MAX_SHOWN = 200
 """Most runs that the page shows, evenly through the study."""
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
@@ -87,7 +87,8 @@ class FigureCases(Section):
     """Which runs figures show."""
 
     runs: tuple[str, ...] = key(
-        "runs whose profiles are drawn, by the names of their files without suffix; none: four, spread evenly through the study",
+        "runs whose profiles are drawn, by the names of their files without suffix; none: four of the strongest shaking, of "
+        "each alternative the one whose probe moves farthest before a second one, and others where there are fewer",
         default=(),
         max_length=12,
     )
@@ -325,17 +326,36 @@ class Study(Section):
 
     @property
     def profile_runs(self) -> list[str]:
-        """Names of the runs whose profiles are drawn: those asked for, or else a few of the strongest shaking, of the scene as it is
-        before alternatives, and where they are fewer some of the other runs."""
+        """Names of the runs among which are those whose profiles are drawn: those asked for, or else those of ``profile_groups``."""
         if self.figures.runs:
             return self.shown_runs(0, self.figures.runs)
+        return [name for group in self.profile_groups for name in group]
+
+    @property
+    def profile_groups(self) -> list[list[str]]:
+        """Names of the runs among which the figure of profiles chooses those that it shows: of each group one before a second.
+
+        Those of the strongest shaking are a group for each alternative, of at most ``CANDIDATES`` runs in all, or without alternatives
+        those that it shows, evenly; where they are fewer, runs of weaker shakings follow, each by itself.  None where the study asks for
+        runs.
+        """
+        if self.figures.runs:
+            return []
+        strongest = dict[str, list[str]]()
+        for name in self.strongest_runs:
+            strongest.setdefault(self.runs[name].get(ALTERNATIVE, BASE), []).append(name)
+        most = max(CANDIDATES // len(strongest), 1) if len(strongest) > 1 else FEW_PROFILES
+        groups = [_evenly(names, most) for names in strongest.values()][:CANDIDATES]
+        others = [name for name in self.runs if name not in self.strongest_runs]
+        own = [name for name in others if self.runs[name].get(ALTERNATIVE, BASE) == BASE] or others
+        return groups + [[name] for name in reversed(_evenly(own, FEW_PROFILES - sum(map(len, groups))))]
+
+    @functools.cached_property
+    def strongest_runs(self) -> dict[str, Point]:
+        """The runs of the strongest shaking by name; all where the study does not vary it."""
         shaking = {name: float(point.get(AMPLITUDE, 0.0)) for name, point in self.runs.items()}
         strongest = max(shaking.values())
-        ranks = {name: (shaking[name] < strongest, point.get(ALTERNATIVE, BASE) != BASE) for name, point in self.runs.items()}
-        shown = list[str]()
-        for rank in sorted(set(ranks.values())):
-            shown += _evenly([name for name in self.runs if ranks[name] == rank], FEW_PROFILES - len(shown))
-        return self.shown_runs(0, shown)
+        return {name: self.runs[name] for name, amplitude in shaking.items() if amplitude == strongest}
 
     @classmethod
     def read(cls, data: Mapping[str, Any], origin: str) -> Study:

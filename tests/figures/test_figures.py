@@ -479,7 +479,7 @@ def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> 
     run = synthetic(translation(-3.0), overrides=scene)
     toe, base = run.scene.geometry.toe
     figures = {
-        "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
+        "profiles": figure_displaced({"one": run, "two": run}, places=PLACES, choice="2 of 6 runs: " + "those that move far, " * 8),
         "scene": figure_scenes([drawn(run.scene)._replace(places=PLACES)]),
         "section": figure_geometry(run, places=PLACES),
         "run": plot_trajectory(run, places=PLACES),

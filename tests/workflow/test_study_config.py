@@ -12,6 +12,7 @@ from sph.experiments.paper import figures
 from sph.experiments.paper.design import AnyStudy, PaperStudy, paper_study
 from sph.experiments.registry import load_study
 from sph.figures import RUN_FIGURES
+from sph.figures.profile import moving_farthest
 from sph.page.paper import PAPER_SECTIONS, sections_of
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
@@ -327,15 +328,31 @@ def test_large_studies_are_measured_in_parts() -> None:
 def test_profiles_are_those_of_the_strongest_shaking_of_the_scene_as_it_is() -> None:
     records, drained = ["a.csv", "b.csv"], {"drained": {"soil": {"cohesion": 60}}}
     for more, wanted in (
-        ({}, ["amplitude-1_a", "amplitude-1_b", "amplitude-9_a", "amplitude-9_b"]),  # all there are
-        ({"alternatives": drained}, [f"amplitude-9_{which}" for which in ("a_base", "a_drained", "b_base", "b_drained")]),
+        ({}, ["amplitude-9_a", "amplitude-9_b", "amplitude-1_b", "amplitude-1_a"]),  # all there are
+        ({"alternatives": drained}, [f"amplitude-9_{which}" for which in ("a_base", "b_base", "a_drained", "b_drained")]),
         ({"figures": {"runs": ["amplitude-1_motion.file-b.csv"]}}, ["amplitude-1_b"]),
     ):
         study = validated(AnyStudy, {**GOOD, "grid": {"amplitude": [1, 9], "motion.file": records}, **more}, "config")
         short = [name.replace("motion.file-", "").replace(".csv", "").replace("alternative-", "") for name in study.profile_runs]
         assert short == wanted
     many = validated(AnyStudy, {**GOOD, "grid": {"amplitude": list(range(1, 21))}}, "config")
-    assert many.profile_runs == ["amplitude-1", "amplitude-10", "amplitude-19", "amplitude-20"]
+    assert many.profile_runs == ["amplitude-20", "amplitude-19", "amplitude-10", "amplitude-1"]
+
+
+def test_the_figure_of_profiles_says_which_of_how_many_runs_it_shows() -> None:
+    drained, more = {"drained": {"soil": {"cohesion": 60}}, "steep": {"soil": {"cohesion": 50}}}, {"gamma": [1, 100]}
+    some = plan({"claims": None, "grid": {"S_R": [0.1], "amplitude": [1, 9], **more}, "alternatives": drained}).profile_choice
+    assert [len(group) for group in some["groups"]] == [2, 2, 2] and some["size"] == 6
+    assert some["of"] + some["rule"] == (
+        "the 6 runs with the strongest shaking, amplitude 9 m/s² (0.917 g): of each alternative first the one in which A moves farthest"
+    )
+    names = [name for name, *_ in some["groups"]]
+    moved = dict(zip([path for group in some["groups"] for path in group], [3.0, 4.0, 2.0, 1.0, 5.0, 0.5], strict=True))
+    (base, other), (first, _), (last, _) = some["groups"]
+    assert names == [base, first, last] and moving_farthest(some["groups"], moved.__getitem__, 4) == [base, other, first, last]
+    assert moving_farthest(some["groups"], moved.__getitem__, 3) == [other, first, last]
+    amplitudes = plan({"claims": None, "grid": {"S_R": [0.1], "gamma": [1], "amplitude": list(range(1, 21))}})
+    assert amplitudes.profile_choice["of"] + amplitudes.profile_choice["rule"] == "20 runs: evenly through the study"
 
 
 @pytest.mark.parametrize(

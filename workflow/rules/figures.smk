@@ -43,6 +43,7 @@ rule figure:
                     "places": PLAN.study.metrics.places,
                     "field": PLAN.study.figures.field,
                 },
+                "choice": PLAN.profile_choice,
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
