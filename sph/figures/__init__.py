@@ -55,8 +55,9 @@ RUN_FIGURES: dict[str, Callable[..., Figure]] = {
 """Figures of one run or of some, by the names of their files: functions of the run, or of runs by title, and the fidelity."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study, "map": figure_map}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
-MARKED = {INPUT_FIGURES[0]: ("places",), PROFILES: ("places", "field", "choice")}
-"""What figures of runs take from their study beside these, by name: places to mark, the quantity to show, which runs these are."""
+MARKED = {INPUT_FIGURES[0]: ("places",), INPUT_FIGURES[1]: ("others",), PROFILES: ("places", "field", "choice")}
+"""What figures of runs take from their study beside these, by name: places to mark, how other runs are shaken, the quantity to
+show, which runs these are."""
 
 
 def caption(figure: Callable[..., Any]) -> str:

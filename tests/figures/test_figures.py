@@ -163,7 +163,9 @@ def test_motion_is_the_stored_one_with_its_stages(slid: Run) -> None:
     np.testing.assert_array_equal(line.get_ydata(), slid["ground_acceleration"])
     assert np.ptp(line.get_ydata()) > 11.0
     shown = texts(figure).split("\n")
-    assert {"gravity", "shaking", "no shaking"} <= set(shown)
+    assert {"gravity", "shaking"} <= set(shown) and "in other runs" not in texts(figure)
+    assert axes(figure).get_xlim() == (0.0, slid.scene.motion.end) and slid.scene.motion.end < slid.scene.duration
+    assert axes(figure_motion(slid, others="× 2 and × 3")).get_title(loc="left").endswith("(0.612 g); in other runs × 2 and × 3")
     still = texts(figure_motion(synthetic(overrides={"motion": {"kind": "none"}}))).split("\n")
     assert "shaking" not in still and "gravity" in still
 

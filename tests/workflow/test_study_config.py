@@ -355,6 +355,16 @@ def test_the_figure_of_profiles_says_which_of_how_many_runs_it_shows() -> None:
     assert amplitudes.profile_choice["of"] + amplitudes.profile_choice["rule"] == "20 runs: evenly through the study"
 
 
+def test_the_figure_of_the_motion_says_how_other_runs_are_shaken() -> None:
+    for grid, wanted in (
+        ({"amplitude": [2, 4, 6]}, "× 2 and × 3"),
+        ({"amplitude": [2, 4, 6, 8, 9]}, "× 2 to × 4.5"),
+        ({"amplitude": [4]}, ""),
+        ({"amplitude": [2, 4], "motion.frequency": [1, 2]}, "× 2, also frequency of the motion 2 Hz"),
+    ):
+        assert plan({"claims": None, "grid": {"S_R": [0.1], "gamma": [1], **grid}}).other_shakings == wanted
+
+
 @pytest.mark.parametrize(
     ("runs", "wanted"),
     [

@@ -42,6 +42,7 @@ rule figure:
                 "marked": {
                     "places": PLAN.study.metrics.places,
                     "field": PLAN.study.figures.field,
+                    "others": PLAN.other_shakings,
                 },
                 "choice": PLAN.profile_choice,
             }

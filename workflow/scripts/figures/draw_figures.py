@@ -25,7 +25,8 @@ def draw_figures(
     """Draw figures of any study and of the paper's, by name, from the files of runs of planned scenes, each with its titles.
 
     Titles name each run: its curve or profile, or its panel and that; there are none where the figure shows one run.
-    ``marked`` are the places of the study, and the quantity of profiles, of which ``choice`` (``Plan.profile_choice``) chooses the runs.
+    ``marked`` are the places of the study, how its other runs are shaken, and the quantity of profiles, of which ``choice``
+    (``Plan.profile_choice``) chooses the runs.
     """
 
     def moved(path: str) -> float:
