@@ -43,6 +43,7 @@ from sph.scene.layers import LayerMaterial
 from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
+from sph.scene.units import in_both
 from sph.stability.slip_search import LimitEquilibrium
 from sph.study.dimensions import named
 
@@ -62,7 +63,7 @@ LEGEND_LINE = 0.17
 TWO_COLUMNS = 9.0
 """Inches of a figure from which on that legend has two columns."""
 NAMED = 0.12
-"""Least part of the duration of a stage whose name has room."""
+"""Least part of the time axis of the gravity stage at which its name has room."""
 ASIDE, CLEAR = (0.04, 0.06, 0.08, 0.1, 0.12), 0.02
 """Where the height of the slope stands before its toe, the nearest first, and its distance from a post, over the width of the box."""
 TITLE = 80
@@ -353,11 +354,11 @@ def _kept(material: LayerMaterial) -> str:
 
 
 @styled
-def figure_motion(run: Run, fidelity: str = "") -> Figure:
-    """Horizontal acceleration of the box against time; gravity is applied before the shaking starts, and the run continues
+def figure_motion(run: Run, fidelity: str = "", others: str = "") -> Figure:
+    """Horizontal acceleration of the box against time, to the end of the shaking; gravity is applied before it starts, and the run goes on
     after it has ended.
 
-    ``run`` is any of the scene.
+    ``run`` is any of the scene, ``others`` says how the shaking of other runs differs.
     """
     scene = run.scene
     figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
@@ -366,10 +367,14 @@ def figure_motion(run: Run, fidelity: str = "") -> Figure:
     shade_shaking(ax, scene)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
     peak = abs(reference_amplitude(scene.motion)) or 1.0
-    ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
+    end = scene.duration if isinstance(scene.motion, NoMotion) else min(scene.motion.end, scene.duration)
+    ax.set(xlim=(0.0, end), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
     also_in_g(ax, "y")
-    _name_stages(ax, scene)
-    ax.set_title(f"{motion_name(scene)}, peak {float(np.abs(run['ground_acceleration']).max()):.3g} m/s²", loc="left")
+    if scene.gravity.duration >= NAMED * end:
+        middle: Any = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "ha": "center", "va": "top"}
+        ax.annotate("gravity", (0.5 * scene.gravity.duration, 1.0), (0, -3), **middle)
+    told = f"{motion_name(scene)}, peak {in_both(float(np.abs(run['ground_acceleration']).max())).replace('m/s2', 'm/s²')}"
+    ax.set_title(fill(f"{told}; in other runs {plain(others)}" if others else told, TITLE), loc="left")
     add_note(figure, [scene], fidelity)
     return figure
 
@@ -382,19 +387,6 @@ def motion_name(scene: Scene) -> str:
     if (made := getattr(scene.motion, "stochastic", None)) is not None:
         return f"synthetic motion, seed {made.seed}"
     return plain(f"record {Path(file).name}" if file else scene.motion.kind.replace("_", " "))
-
-
-def _name_stages(ax: Axes, scene: Scene) -> None:
-    stages = [("gravity", 0.0, scene.gravity.duration)]
-    if not isinstance(scene.motion, NoMotion) and scene.motion.end < scene.duration:
-        stages.append(("no shaking", scene.motion.end, scene.duration))
-    for name, start, end in stages:
-        if end - start < NAMED * scene.duration:
-            continue
-        middle = 0.5 * (start + end)
-        ax.annotate(
-            name, (middle, 1.0), xycoords=("data", "axes fraction"), xytext=(0, -3), textcoords="offset points", ha="center", va="top"
-        )
 
 
 @styled

@@ -28,6 +28,7 @@ from sph.study.dimensions import (
     SYMBOLS,
     Dimension,
     dimension,
+    scene_key,
     short_names,
     title_of,
     value_of,
@@ -39,6 +40,8 @@ from sph.study.tables import MAX_SLOPES, Layout
 
 PART = 500
 """Runs that are measured by one job."""
+TOLD = 3
+"""Most values of a dimension that a title names."""
 
 
 class Plan:
@@ -201,6 +204,23 @@ class Plan:
         points, told = self.study.runs.values(), AMPLITUDE if self._all_strongest else ""
         differ = [each for each in self.drawn_dimensions if each.name != told and len({point[each.name] for point in points}) > 1]
         return [[title_of(differ or self.drawn_dimensions, self.study.runs[name])] for name in self.study.profile_runs]
+
+    @property
+    def other_shakings(self) -> str:
+        """How the shaking of other runs of the study differs from that of its first, in words; nothing where all are shaken alike."""
+        said, first = list[str](), next(iter(self.study.runs.values()))
+        for each in self.drawn_dimensions:
+            others = [value for value in dict.fromkeys(self.study.values[each.name]) if value != first[each.name]]
+            if not others or not scene_key(each.name).startswith("motion."):
+                continue
+            if each.name == AMPLITUDE and float(first[AMPLITUDE]):
+                scales = [f"× {float(value) / float(first[AMPLITUDE]):.3g}" for value in others]
+            else:
+                scales = [each.said(value) for value in others]
+            said.append(
+                " and ".join(scales) if len(scales) <= TOLD else f"{scales[0]} to {scales[-1]}" if "×" in scales[0] else each.symbol
+            )
+        return ", also ".join(said)
 
     @property
     def profile_choice(self) -> dict[str, Any]:

@@ -2,7 +2,8 @@
 # Inputs:  the runs each figure shows (config: figures, claims), study.csv; the drawing code.
 # Outputs: figures/*, PNG and PDF
 from sph.experiments.paper.figures import FIGURES as OF_THE_PAPER
-from sph.figures import RUN_FIGURES, STUDY_FIGURES
+from sph.figures import MARKED, RUN_FIGURES, STUDY_FIGURES
+from sph.study.schema import PROFILES
 
 # Drawn together: a process takes as long to start as to draw some.
 OF_RUNS = {name: (RUN_FIGURES | OF_THE_PAPER)[name] for name in PLAN.study.figure_files}
@@ -39,12 +40,25 @@ rule figure:
                     for name in OF_RUNS
                 },
                 "fidelity": PLAN.study.fidelity,
+                # of what the figures show alone, since they are drawn again for another
                 "marked": {
+<<<<<<< HEAD
                     "places": PLAN.study.metrics.places,
                     "field": PLAN.study.figures.field,
                     "others": PLAN.other_shakings,
                 },
                 "choice": PLAN.profile_choice,
+=======
+                    key: value
+                    for key, value in {
+                        "places": PLAN.study.metrics.places,
+                        "field": PLAN.study.figures.field,
+                        "others": PLAN.other_shakings,
+                    }.items()
+                    if any(key in MARKED.get(name, ()) for name in OF_RUNS)
+                },
+                "choice": PLAN.profile_choice if PROFILES in OF_RUNS else {},
+>>>>>>> w16-figs
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),

@@ -33,10 +33,10 @@ def draw_figures(
         far = float(scenes[path].read(path).history(choice["probe"]).displacement_magnitude[-1])
         return -1.0 if math.isnan(far) else far
 
-    chosen = moving_farthest(choice["groups"] if PROFILES in figures else [], functools.cache(moved), FEW_PROFILES)
+    chosen = moving_farthest(choice.get("groups", []), functools.cache(moved), FEW_PROFILES)
     drawn = {name: chosen if name == PROFILES and chosen else paths for name, (paths, _) in figures.items()}
     runs = {path: scene.read(path) for path, scene in scenes.items() if any(path in paths for paths in drawn.values())}
-    fewer = 0 < len(chosen) < choice["size"]
+    fewer = chosen and len(chosen) < choice["size"]
     words = f"{len(chosen)} of {choice['of']}{choice['rule']}" if fewer else ""
     for (name, (paths, titles)), *pictures in zip(figures.items(), paths_to_png, paths_to_pdf, strict=True):
         shown: Any = {} if titles else runs[paths[0]]
