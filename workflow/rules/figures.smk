@@ -42,13 +42,6 @@ rule figure:
                 "fidelity": PLAN.study.fidelity,
                 # of what the figures show alone, since they are drawn again for another
                 "marked": {
-<<<<<<< HEAD
-                    "places": PLAN.study.metrics.places,
-                    "field": PLAN.study.figures.field,
-                    "others": PLAN.other_shakings,
-                },
-                "choice": PLAN.profile_choice,
-=======
                     key: value
                     for key, value in {
                         "places": PLAN.study.metrics.places,
@@ -58,7 +51,6 @@ rule figure:
                     if any(key in MARKED.get(name, ()) for name in OF_RUNS)
                 },
                 "choice": PLAN.profile_choice if PROFILES in OF_RUNS else {},
->>>>>>> w16-figs
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
