@@ -334,9 +334,7 @@ def test_the_command_draws_the_places_of_a_study(tmp_path: Path) -> None:
     assert call("check", file, "--plot", picture, "--configfile", study).exit_code == 0 and picture.exists()
     study.write_text(yaml.safe_dump({"metrics": {"places": {"road": "1200 beyond the toe"}}}))
     refused = call("check", file, "--configfile", study)
-    assert (
-        refused.exit_code == REFUSED and "metrics.places.road: '1200 beyond the toe': must lie within the model" in refused.output
-    )
+    assert refused.exit_code == REFUSED and "metrics.places.road: '1200 beyond the toe': must lie within the model" in refused.output
     study.write_text("study: own\n")
     assert places_of(study, loaded) == {}
 
