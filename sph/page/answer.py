@@ -11,7 +11,6 @@ import pandas as pd
 
 from sph.checks.after_run import BRAKED, LATE, at_least, has_thin_debris, held, is_at_least, is_bounded, is_open, near_miss
 from sph.checks.cover_rows import SCATTER
-from sph.checks.finding import Finding
 from sph.checks.messages import Severity, block_words, braked_words, factor_words, listed, sentence, surer, yield_words
 from sph.experiments.variants.advice import expected_words
 from sph.figures.style import metres
@@ -118,16 +117,18 @@ def answer(
     how += few_rows(findings)
     critical, statically = sought(YIELD, "sph yield-acceleration")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
+    least = min((of.numbers["value"] for of in findings if of.code == SEARCHES[SAFETY].code), default=math.nan)
+    yields = own["yield_acceleration"].min()
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
         (
             "Factor of safety",
-            _lower_first(factor, factor_words(by_slices), findings, SAFETY, by_slices["spencer"]) if by_slices else factor,
+            _lower_first(factor, factor_words(by_slices), least, by_slices["spencer"]) if by_slices else factor,
             how,
         ),
         (
             "Yield acceleration",
-            _lower_first(critical, yield_words(by_slices), findings, YIELD, by_slices.get("critical", 0.0)) if by_slices else critical,
+            _lower_first(critical, yield_words(by_slices), yields, by_slices.get("critical", 0.0)) if by_slices else critical,
             statically,
         ),
         *when(strongest(own), probe),
@@ -162,10 +163,9 @@ def answer(
     )
 
 
-def _lower_first(by_sph: str, by_slices: str, findings: Sequence[Finding], limit_of: str, spencer: float) -> str:
-    """A limit by both methods, that first which lies lower, by the number of Spencer's method."""
-    above = any(of.code == SEARCHES[limit_of].code and of.numbers["value"] > spencer for of in findings)
-    return f"{by_slices}; {by_sph} by SPH" if above else f"{by_sph} by SPH; {by_slices}"
+def _lower_first(by_sph: str, by_slices: str, value: float, spencer: float) -> str:
+    """A limit by both methods, that first which lies lower, by its ``value`` by SPH, NaN where it is not known, and Spencer's."""
+    return f"{by_slices}; {by_sph} by SPH" if value > spencer else f"{by_sph} by SPH; {by_slices}"
 
 
 def _unless(to_come: Collection[str], code: str, said: tuple[str, str]) -> tuple[str, str]:
