@@ -32,6 +32,7 @@ from sph.scene.names import check_known
 from sph.scene.natural_periods import Column, natural_frequencies
 from sph.scene.places import Point
 from sph.scene.schema import load_scene
+from sph.scene.scheme import SOFTENING
 from sph.scene.survey import read_line
 from sph.scene.units import GRAVITY
 from sph.solver.particles import place_particles
@@ -390,7 +391,7 @@ def _refused(known: Known) -> Iterator[str]:
             yield f"--slope {height:g},{angle:g}: must be {allowed}, as 28,32"
     for option, names, known_names in (
         ("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:])),
-        ("--below", known.below, (UNIT_WEIGHT, *ROCK)),
+        ("--below", known.below, (UNIT_WEIGHT, *SOIL[1:])),
         ("--alternative", known.alternatives, ("drained", "berm")),
     ):
         try:
@@ -577,7 +578,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     width, rest = _digits(WIDTH * section.height, 2), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
     jaky = 1.0 - math.sin(math.radians(soil["friction_angle"]))
     missing = [f"{key}: {value:g} {units[key]}".strip() for key, value in soil.items() if key not in own]
-    assumed = {"coupling.softening": f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide"}
+    assumed = {SOFTENING: f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide"}
     ratio, layers, carried = "1.0 # not felt: all soils have residual strengths", LAYERS_TEXT, ""
     if not known.has_residual:
         ratio = "0.5 # residual over peak strength, from a shear box or ring shear test  ASSUMED"
@@ -607,8 +608,10 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
             f"{high[1]:.2g} at the fidelity coarse, its ends thinner{few}"
         )
     assumed["walls.bedrock"] = "each record is the outcrop motion of bedrock like the lowest soil"
+    assumed["motion.factor"] = "each record is run in both directions"
     assumed["soil.K0"] = f"{rest:.2f} by Poisson's ratio, where 1 - sin(phi) is {jaky:.2f}"
-    assumed["damping"] = f"3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz; no dilation"
+    assumed["damping"] = f"3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz"
+    assumed["soil.dilation_angle"] = "no dilation"
     if isinstance(known.ground, Path):
         title = f"Slope of {known.ground.name[:MAX_TITLE]}"
     else:

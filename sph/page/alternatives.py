@@ -101,7 +101,7 @@ def compared(
     said = title_of(others, {key: str(value) for key, value in at.items()})
     notes = [f"Displacement, run-out and what is saved: {said}, where the scene as it is moves farthest."] if others else []
     notes += [
-        f"With {name} {probe} moves farther than as it is, by more than a tenth, in {count} of {len(runs)} runs."
+        f"With {name} {probe} moves farther than as it is, by more than {100.0 * (FARTHER - 1.0):.0f} %, in {count} of {len(runs)} runs."
         for name, runs in groups.items()
         if (count := _farther(base, runs, [dimension.name for dimension in others]))
     ]

@@ -38,9 +38,10 @@ from sph.page.facts import (
 from sph.page.levels import levels, widths
 from sph.page.matrix import TO_COME
 from sph.page.places import at_places
-from sph.page.tables import SOFTENING, Table, filled, moves_on, turned
+from sph.page.tables import Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
+from sph.scene.scheme import SOFTENING
 from sph.scene.units import in_both
 from sph.stability.record import SAFETY, SEARCHES, YIELD
 from sph.storage.trajectory import Status
@@ -292,7 +293,7 @@ def _farther_in_weaker(table: pd.DataFrame, known: pd.DataFrame) -> str:
     if weaker.empty or weaker["runout"].max() < FARTHER_IN_WEAKER * known["runout"].max():
         return ""
     run = max(weaker.to_dict("records"), key=lambda run: run["runout"])
-    return f", and {metres(run['runout'])} m at {in_both(float(run[AMPLITUDE]))}"
+    return f", and {metres(run['runout'], is_at_least(run))} m at {in_both(float(run[AMPLITUDE]))}"
 
 
 def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:

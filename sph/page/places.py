@@ -107,14 +107,14 @@ def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:
 
 
 def _nearer(runs: pd.DataFrame, weaker: pd.DataFrame, place: str) -> str:
-    """How far short of a place the debris is in ``weaker`` shaking, where it comes nearer than in that of ``runs``, of which none reaches
-    it."""
+    """How far short of a place the debris is in ``weaker`` shaking, where it comes nearer than in that of ``runs``; nothing where it
+    reaches the place in one of them."""
     passed, reached = column_of(place, PASSED), column_of(place, REACHED)
-    if weaker.empty or (runs[reached] > 0.0).any() or not weaker[passed].max() > runs[passed].max() + LEAST:
+    if (pd.concat([runs, weaker])[reached] > 0.0).any() or not weaker[passed].max() > runs[passed].max() + LEAST:
         return ""
-    nearest = _farthest(weaker, place)
-    away = _away(nearest, place)
-    return f"; nearer at {in_both(float(nearest[AMPLITUDE]))}: {away}" if away else ""
+    level = _farthest(weaker, place)[AMPLITUDE]
+    same = weaker[weaker[AMPLITUDE] == level]
+    return f"; at {in_both(float(level))}: {_short(same, place, same[reached] > 0.0)}"
 
 
 def _farthest(runs: pd.DataFrame, place: str) -> dict[Any, Any]:

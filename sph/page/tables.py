@@ -17,6 +17,7 @@ from sph.experiments.variants.advice import percent
 from sph.figures.style import NOTHING, metres
 from sph.scene.layers import BelowRegion, DepthRegion, PolygonRegion, Region
 from sph.scene.schema import Scene
+from sph.scene.scheme import SOFTENING
 from sph.scene.soil import LIQUEFIES, Soil
 from sph.scene.units import beside_g
 from sph.scene.walls import wall_words
@@ -25,8 +26,6 @@ from sph.study.dimensions import Dimension, named, readable, shown_unit
 
 MAX_ROWS = 500
 """Most rows that the page shows of a CSV file."""
-SOFTENING = "coupling.softening"
-"""Shown also where it is not set: failure at once decides the answer."""
 KEYS = (
     "duration",
     "geometry.",
@@ -40,7 +39,8 @@ KEYS = (
     "numerics.smoothing_ratio",
     "numerics.time_step",
 )
-"""Beginnings of the scene keys that the page shows at once, beside the table of layers."""
+"""Beginnings of the scene keys that the page shows at once, beside the table of layers; ``SOFTENING`` also where it is not set,
+since failure at once decides the answer."""
 OF_CLIENT = {
     "duration": "time simulated",
     "geometry.slope_height": "height of the slope",

@@ -31,7 +31,9 @@ RESOLVED: dict[str, Any] = dotted(
 )
 """Keys of the scheme ``resolved`` whose defaults are not those of the paper's scene."""
 
-BY_SLIP = "coupling.softening.slip_at_residual"
+SOFTENING = "coupling.softening"
+"""How strength is lost with slip, which decides most of what is seldom measured."""
+BY_SLIP = f"{SOFTENING}.slip_at_residual"
 """With this key strength falls with slip, and gamma, where it is not written, is 0."""
 
 NEEDED = {

@@ -18,9 +18,9 @@ from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER, findings
 from sph.command.cli import app
 from sph.command.new import AFTER, SPRING, Known, Written, write_new
-from sph.page.tables import SOFTENING
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
+from sph.scene.scheme import SOFTENING
 from sph.study.cost import cost
 from sph.study.machine import duration
 from sph.study.plan import load_study

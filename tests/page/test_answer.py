@@ -173,6 +173,7 @@ def test_how_far_others_would_go_is_beside_the_run_out() -> None:
 def test_debris_that_goes_farther_in_weaker_shaking_is_told() -> None:
     runs = RUNS.assign(runout=[21.0, 22.0, 4.0, 10.0, 14.0, 20.0])
     assert "debris runs at least 20.0 m beyond the toe, and 22.0 m at 2 m/s2 (0.204 g)" in lead(runs, [])
+    assert "and ≥ 22.0 m at" in lead(runs.assign(at_rest=[1, 0, 1, 1, 1, 1], **MOVING), [])
     assert "and 22.0 m" not in lead(runs.assign(diverged=[1, 1, 0, 0, 0, 0]), []), "it has no run-out"
     assert " at 2 m/s2" not in lead(RUNS, []) + lead(runs.assign(runout=[20.0] * 6), [])
     drained = runs.assign(alternative=["drained", "drained", *["base"] * 4])
@@ -181,8 +182,10 @@ def test_debris_that_goes_farther_in_weaker_shaking_is_told() -> None:
 
 def test_a_place_to_which_debris_comes_nearer_in_weaker_shaking_says_so() -> None:
     weaker = RUNS.assign(runout=[0.0, 24.0, 4.0, 10.0, 14.0, 20.0], house_passed=[-30.0, -6.0, -26.0, -20.0, -16.0, -10.0])
-    assert row_of(weaker)[SHORT] == "stops 10.0 m short; nearer at 2 m/s2 (0.204 g): 6.00 m short"
-    assert "nearer" not in row_of(weaker.assign(house_reached=[0.0] * 5 + [1.0]))[SHORT] + row_of(RUNS)[SHORT]
+    assert row_of(weaker)[SHORT] == "stops 10.0 m short; at 2 m/s2 (0.204 g): stops 6.00 m short"
+    moving = weaker.assign(at_rest=[1, 0, 1, 1, 1, 1], **MOVING)
+    assert row_of(moving)[SHORT].endswith("; at 2 m/s2 (0.204 g): unknown in 1 of 2 runs, still moving; 6.00 m short at the end")
+    assert "at 2 m/s2" not in row_of(weaker.assign(house_reached=[0.0] * 5 + [1.0]))[SHORT] + row_of(RUNS)[SHORT]
 
 
 def test_a_place_behind_the_crest_is_told_by_its_ground() -> None:
