@@ -5,21 +5,21 @@ from __future__ import annotations
 import math
 import os
 import shlex
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
-from pydantic import TypeAdapter, ValidationError
 
 import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.layers import MIN_IN_LAYER, broken, of_cover
 from sph.checks.messages import sentence
-from sph.checks.scene import HOLDS, PLACEHOLDER, PLACEHOLDER_SOIL, room_ahead, to_side
-from sph.command.options import parse_acceleration, parse_numbers, parse_treatment, parse_values
+from sph.checks.scene import HOLDS, PLACEHOLDER, room_ahead, to_side
+from sph.command.known import Known, read_depth, read_numbers, read_peak, read_plain, refuse, refused, to_digits, too_high, with_density
+from sph.command.options import parse_treatment, parse_values
 from sph.command.schema import schema_file
 from sph.command.sections import BERM_SIDE, Berm, at_depth, berm, plain_slope
 from sph.command.terminal import say
@@ -27,18 +27,15 @@ from sph.measures.places import beyond_toe
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
 from sph.scene.ground_motion import read_record
-from sph.scene.ground_motion.units import Unit
-from sph.scene.names import check_known
 from sph.scene.natural_periods import Column, natural_frequencies
 from sph.scene.places import Point
 from sph.scene.schema import load_scene
 from sph.scene.scheme import SOFTENING
 from sph.scene.survey import read_line
-from sph.scene.units import GRAVITY
 from sph.solver.particles import place_particles
 from sph.storage.files import whole
 from sph.study.cost import ON_REFERENCE, cost
-from sph.study.dimensions import ALTERNATIVE, BASE, Value, scene_keys
+from sph.study.dimensions import ALTERNATIVE, BASE, scene_keys
 from sph.study.machine import duration
 from sph.study.plan import load_study
 
@@ -60,32 +57,8 @@ MAX_COMPARED, MAX_RUN = 3600.0, 86400.0
 """Computing time (s) of a run up to which thin soil has the rows that it needs at the coarser spacing as well, and at most."""
 COARSE = "coarse"
 """The fidelity of a first look."""
-SOIL = ("density", "shear_wave_speed", "poisson_ratio", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
-"""Keys of a soil in the order in which they are written."""
 FROM_TESTS = ("density", "cohesion", "friction_angle", "residual_cohesion", "residual_friction_angle")
 """Those without which the soil is not the user's."""
-UNIT_WEIGHT = "unit_weight"
-"""What is typed in place of the density, kN/m3."""
-AS_SOIL = "as unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,residual_friction_angle=20"
-EXAMPLES = {
-    "--soil": AS_SOIL,
-    "--below": AS_SOIL,
-    "--alternative": "as drained=4,berm=3: the depth of the lowered water table, or by how much its line is lowered, and the height "
-    "of the berm, m",
-}
-"""What options with names and numbers are to look like."""
-PLACEHOLDERS = {"shear_wave_speed" if name == "s_wave_speed" else name: value for name, value in PLACEHOLDER_SOIL.items()}
-RESIDUAL = "residual_"
-"""Beginning of the keys that a layer has only where the soil has them."""
-ROCK = {
-    "density": 2200.0,
-    "shear_wave_speed": 450.0,
-    "cohesion": 200.0,
-    "friction_angle": 38.0,
-    "residual_cohesion": 50.0,
-    "residual_friction_angle": 34.0,
-}
-"""The ground below a cover where nothing else is typed, weathered rock, in the units of the scene's keys."""
 FILL = {
     "density": 2000.0,
     "shear_wave_speed": 300.0,
@@ -109,8 +82,6 @@ LOWERED, BERM = 0.3, 0.2
 """By how much the water line of a file is lowered once drained, and height of a berm, that are suggested, over the slope's height."""
 SPRING = 0.1
 """Frequency of the spring of the base, Hz: a tenth of that of most motions, to whose traction it then adds 0.5 %."""
-GENTLEST, STEEPEST = 5.0, 80.0
-"""Angles of a plain slope, degree."""
 MAX_TITLE = 100
 """Most characters of the ground file's name in the title."""
 
@@ -195,47 +166,6 @@ COMPARED = "coarse # repeats every run with coarser particles, which adds 0.4 of
 NOT_COMPARED = "null # coarser particles would not resolve the thin soil; add a fidelity with finer ones to see what they change"
 
 
-class Known(NamedTuple):
-    """What the user knows of a slope."""
-
-    ground: Path | tuple[float, float]  # file of a survey, or height (m) and angle (degree) of a plain slope
-    records: Sequence[Path]
-    component: str | None = None  # of records that hold several
-    unit: Unit | None = None  # of records that state none
-    peaks: Sequence[str] = ()  # accelerations to which the records are scaled, as a study has them
-    cover: float | None = None  # thickness of weak soil on stronger ground, m
-    soil: Mapping[str, float] = {}  # by ``SOIL``, with ``UNIT_WEIGHT`` for the density
-    below: Mapping[str, float] = {}  # the same of the ground below the cover
-    water: float | Path | None = None  # depth below the ground, m, or the file of a line
-    places: Mapping[str, float | str] = {}  # x, m, or a distance beyond the toe
-    alternatives: Mapping[str, float] = {}  # drained: depth of the water, m, or by how much a line is lowered; berm: its height, m
-
-    @property
-    def own_soil(self) -> dict[str, float]:
-        """The keys of the soil that were typed, in the units of the scene."""
-        return _with_density(self.soil)
-
-    @property
-    def lowest_soil(self) -> dict[str, float]:
-        """The keys of the ground below the cover, or of the soil where it has none."""
-        return self.whole_soil if self.cover is None else ROCK | _with_density(self.below)
-
-    @property
-    def whole_soil(self) -> dict[str, float]:
-        """The keys of the soil, placeholders for those that were not typed among them."""
-        known = PLACEHOLDERS | self.own_soil
-        return {key: known[key] for key in SOIL if key in known}
-
-    @property
-    def has_residual(self) -> bool:
-        """Whether the residual strength was typed."""
-        return any(key.startswith(RESIDUAL) for key in self.soil)
-
-    def of_layer(self, soil: Mapping[str, float]) -> dict[str, float]:
-        """The keys of a layer's soil: without residual strengths, which S_R would not vary, where the scene's soil has none."""
-        return {key: value for key, value in soil.items() if self.has_residual or not key.startswith(RESIDUAL)}
-
-
 class Written(NamedTuple):
     """What was written, and what nobody typed."""
 
@@ -283,62 +213,24 @@ def new(
             return None
 
     known = Known(
-        ground or (read(_plain, slope) if slope is not None else None) or Path(),
+        ground or (read(read_plain, slope) if slope is not None else None) or Path(),
         records,
         component,
         (read(parse_treatment, unit, None, None) or {}).get("unit"),
-        [read(_peak, peak) for text in scale_to or () for peak in text.split(",")],
+        [read(read_peak, peak) for text in scale_to or () for peak in text.split(",")],
         cover,
-        read(_numbers, soil, "--soil") or {},
-        read(_numbers, below, "--below") or {},
-        None if water is None else _depth(water),
+        read(read_numbers, soil, "--soil") or {},
+        read(read_numbers, below, "--below") or {},
+        None if water is None else read_depth(water),
         read(parse_values, place, "--place") or {},
-        read(_numbers, alternative, "--alternative") or {},
+        read(read_numbers, alternative, "--alternative") or {},
     )
     if wrong:
-        _refuse([*wrong, *_refused(known)])
+        refuse([*wrong, *refused(known)])
     scene, study, assumed = write_new(known, folder)
     say(*(cover_words(scene) if cover is not None else ()))
     next_ = f"next: sph check {shlex.quote(str(study))} --plot scene.png"
     return "\n".join([f"{scene}, {study}", *(f"assumed: {key}: {each}" for key, each in assumed.items()), next_])
-
-
-def _with_density(soil: Mapping[str, float]) -> dict[str, float]:
-    """The keys of a soil as a scene has them, with its density in the place of a unit weight."""
-    density = {"density": _digits(1e3 * soil[UNIT_WEIGHT] / GRAVITY, 4)} if UNIT_WEIGHT in soil else {}
-    return density | {key: value for key, value in soil.items() if key != UNIT_WEIGHT}
-
-
-def _peak(text: str) -> str:
-    """A peak acceleration with its unit, as a study has it: in g where it was typed so, else in m/s2."""
-    value = parse_acceleration(text, "--scale-to")
-    return text.replace(" ", "") if text.endswith("g") else f"{value:.4g}m/s2"
-
-
-def _plain(text: str) -> tuple[float, float]:
-    """Height (m) and angle (degree) of a plain slope."""
-    plain = parse_numbers(text, "--slope") or ()
-    if len(plain) != 2:
-        raise ValueError(f"--slope {text!r}: write a height (m) and an angle (degree), as 28,32")
-    return plain[0], plain[1]
-
-
-def _numbers(texts: list[str] | None, option: str) -> dict[str, float]:
-    try:
-        values = parse_values(texts, option)
-    except ValueError as error:
-        raise ValueError(f"{error}: {EXAMPLES[option]}") from error
-    for name, value in values.items():
-        if isinstance(value, str) or not math.isfinite(value):
-            raise ValueError(f"{option} {name}={value}: must be a number; {EXAMPLES[option]}")
-    return {name: float(value) for name, value in values.items()}
-
-
-def _depth(text: str) -> float | Path:
-    try:
-        return float(text)
-    except ValueError:
-        return Path(text)
 
 
 def write_new(known: Known, folder: Path) -> Written:
@@ -358,7 +250,7 @@ def write_new(known: Known, folder: Path) -> Written:
     for path in (*given, folder.absolute()):
         if not str(path).isprintable():
             raise ValueError(f"{str(path)!r}: holds a character that cannot be printed, which a scene file cannot hold; rename it")
-    _refuse(_refused(known))
+    refuse(refused(known))
     new, made = [path for path in files if not path.exists()], [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -370,85 +262,6 @@ def write_new(known: Known, folder: Path) -> Written:
             with suppress(OSError):  # it was not made, or another program has put something there
                 path.rmdir()
         raise
-
-
-def _refuse(wrong: Iterable[str]) -> None:
-    """ValueError with all that is wrong, a line each, if there is anything."""
-    if told := "\n".join(wrong):
-        raise ValueError(told)
-
-
-def _refused(known: Known) -> Iterator[str]:
-    """What is refused before anything is drawn, by option."""
-    if not known.records:
-        yield "--record: is missing; give the file of a ground motion, or of several, each with --record"
-    if not isinstance(known.ground, Path):
-        height, angle = known.ground
-        if 0.0 < height < math.inf and GENTLEST <= angle <= STEEPEST:
-            yield from _too_high(known, height)
-        else:
-            allowed = f"a height above 0 m and an angle from {GENTLEST:g} to {STEEPEST:g} degree"
-            yield f"--slope {height:g},{angle:g}: must be {allowed}, as 28,32"
-    for option, names, known_names in (
-        ("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:])),
-        ("--below", known.below, (UNIT_WEIGHT, *SOIL[1:])),
-        ("--alternative", known.alternatives, ("drained", "berm")),
-    ):
-        try:
-            check_known(option, names, known_names)
-        except ValueError as error:
-            yield str(error)
-    strength = [key for key in known.below if key in ("cohesion", "friction_angle")]
-    if strength and known.has_residual and not any(key.startswith(RESIDUAL) for key in known.below):
-        yield f"--below {strength[0]}: give residual_cohesion and residual_friction_angle as well, as for --soil"
-    if known.below and known.cover is None:
-        yield "--below: is the soil below a cover; give its thickness with --cover"
-    for option, soil in (("--soil", known.soil), ("--below", known.below)):
-        residual = [key for key in soil if key.startswith(RESIDUAL)]
-        if len(residual) == 1:
-            yield (
-                f"{option} {residual[0]}: give residual_cohesion (0 is usual) and residual_friction_angle, or neither: then S_R times the "
-                "peak is varied"
-            )
-        elif residual and not known.has_residual:
-            yield f"{option} {residual[0]}: give the residual strength of --soil as well, or of neither"
-        if not 10.0 <= soil.get(UNIT_WEIGHT, 20.0) <= 30.0:
-            yield f"{option} {UNIT_WEIGHT}={soil[UNIT_WEIGHT]:g}: must be from 10 to 30 kN/m3, with its water"
-    lowered = known.alternatives.get("drained")
-    wet = known.water if isinstance(known.water, float) else 0.0
-    if not 0.0 <= wet < math.inf:
-        yield f"--water {wet:g}: must be a depth below the ground, 0 m or more, or the file of a line"
-    if lowered is not None and known.water is None:
-        yield f"--alternative drained={lowered:g}: there is no water to drain; give --water"
-    elif lowered is not None and not wet < lowered < math.inf:
-        must = (
-            f"above 0 m; it is by how much the line of {known.water} is lowered"
-            if isinstance(known.water, Path)
-            else f"deeper below the ground than --water, {wet:g} m; it is the depth of the lowered water table"
-        )
-        yield f"--alternative drained={lowered:g}: must be {must}"
-    for record in known.records:
-        try:
-            if len(known.records) > 1:
-                TypeAdapter(Value).validate_python(str(record))
-            read_record(record, known.unit, known.component)
-        except ValidationError:
-            yield (
-                f"--record {record}: of several records, each must lie in this folder or below it and be given by its path from here, as "
-                "quakes/kobe.csv, with no characters but letters, digits and . _ + - /; copy or rename it"
-            )
-        except (ValueError, OSError) as error:
-            yield f"--record {error}"
-
-
-def _too_high(known: Known, height: float) -> Iterator[str]:
-    """A cover and a berm that do not fit a slope of a height (m)."""
-    for option, value, hint in (
-        ("--cover ", known.cover, "leave it out without one"),
-        ("--alternative berm=", known.alternatives.get("berm"), "it is the berm's height"),
-    ):
-        if value is not None and not 0.0 < value < height:
-            yield f"{option}{value:g}: must be above 0 and less than the height of the slope, {height:.4g} m; {hint}"
 
 
 class _Section(NamedTuple):
@@ -527,7 +340,7 @@ def _section(known: Known, folder: Path, ahead: float = 0.0) -> _Section:
         file, points = folder / "ground.csv", plain_slope(height, angle, BEHIND * height, 5.0 * math.ceil(ahead / 5.0))
     line, cover, wet, asked = _ground(points, file, known.cover or 0.0), known.cover, known.water, known.alternatives
     height = line.slope_height
-    _refuse(_too_high(known, height))
+    refuse(too_high(known, height))
     lowered, high = asked.get("drained"), asked.get("berm", BERM * height)
     if lowered is None and wet is not None:
         lowered = max(cover or 0.0, 2.0 * wet, wet + 1.0) if isinstance(wet, float) else LOWERED * height
@@ -575,7 +388,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     keys, what decides most first."""
     line, soil, own, water = section.line, known.whole_soil, known.own_soil, known.water
     units = {key: scene_keys()[f"soil.{key}"].replace("-", "") for key in soil}
-    width, rest = _digits(WIDTH * section.height, 2), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
+    width, rest = to_digits(WIDTH * section.height, 2), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
     jaky = 1.0 - math.sin(math.radians(soil["friction_angle"]))
     missing = [f"{key}: {value:g} {units[key]}".strip() for key, value in soil.items() if key not in own]
     assumed = {SOFTENING: f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide"}
@@ -593,7 +406,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         assumed["water.pressure"] = f"moving soil keeps its pore pressure, as silt and clay{follows}"
     if known.cover is not None:
         layers = COVER_TEXT.format(cover=known.cover, soil=_flow(known.of_layer(known.lowest_soil)))
-        typed = _with_density(known.below)
+        typed = with_density(known.below)
         rock = _flow(known.of_layer({key: value for key, value in known.lowest_soil.items() if key not in typed}))[1:-1]
         below = f"below the cover {'' if typed else 'weathered rock: '}{rock}; " if rock else ""
         assumed["layers.ground"] = f"{below}the cover is as thick everywhere, before the toe, too"
@@ -712,7 +525,7 @@ def _bedrock(soil: Mapping[str, float]) -> dict[str, float]:
     return {
         "density": soil["density"],
         "s_wave_speed": speed,
-        "p_wave_speed": _digits(faster * speed, 4),
+        "p_wave_speed": to_digits(faster * speed, 4),
         "spring_frequency": SPRING,
     }
 
@@ -725,7 +538,7 @@ def _of_rows(rows: Rows, line: GroundLine, known: Known) -> dict[str, Any]:
     soils = [known.whole_soil, known.lowest_soil] if cover else [known.whole_soil]
     thickness = [cover, depth + height - cover] if cover else [depth + height]
     column = Column(*map(np.array, (thickness, *([each[key] for each in soils] for key in ("shear_wave_speed", "density")))))
-    frequency = _digits(float(natural_frequencies(column)[0]), 3)
+    frequency = to_digits(float(natural_frequencies(column)[0]), 3)
 
     def in_cover(number: int) -> str:
         return "" if cover is None else f", {cover * number / height:.2g} rows in the cover"
@@ -738,7 +551,7 @@ def _of_rows(rows: Rows, line: GroundLine, known: Known) -> dict[str, Any]:
         "in_cover": in_cover(rows.own),
         "second": COMPARED if rows.compared else NOT_COMPARED,
         "at_coarse": (", and to compare with" if rows.compared else ": its run-outs are lower bounds") + in_cover(rows.coarse),
-        **{name: _digits(height / number, 6) for name, number in (("spacing", rows.own), ("coarse", rows.coarse))},
+        **{name: to_digits(height / number, 6) for name, number in (("spacing", rows.own), ("coarse", rows.coarse))},
     }
 
 
@@ -801,7 +614,3 @@ def _write_line(path: Path, points: Sequence[Point]) -> None:
     with whole(path) as temporary:
         rows = (f"{x:.10g},{y:.10g}" for x, y in points)
         temporary.write_text("\n".join([f"# {LINES[path.stem]}", "x,elevation", *rows, ""]), encoding="utf-8")
-
-
-def _digits(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}")

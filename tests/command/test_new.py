@@ -17,7 +17,8 @@ import sph
 from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER, findings
 from sph.command.cli import app
-from sph.command.new import AFTER, SPRING, Known, Written, write_new
+from sph.command.known import Known
+from sph.command.new import AFTER, SPRING, Written, write_new
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.scene.scheme import SOFTENING

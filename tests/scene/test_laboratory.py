@@ -86,7 +86,8 @@ def test_without_either_the_refusal_names_both() -> None:
 
 
 def test_sph_new_writes_the_speed(tmp_path: Path) -> None:
-    from sph.command.new import Known, write_new
+    from sph.command.known import Known
+    from sph.command.new import write_new
 
     ground = tmp_path / "ground.csv"
     ground.write_text("x,elevation\n0,0\n60,0\n90,20\n160,20\n")

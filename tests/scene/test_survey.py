@@ -12,7 +12,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sph.command.new import Known, write_new
+from sph.command.known import Known
+from sph.command.new import write_new
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
 from sph.scene.survey import HIGHEST, LOWEST, NODATA, read_line, read_outline

@@ -182,13 +182,9 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     assert berm.rows[2][-1] == "1.00 m (8 %)", "its foot lies 11 m beyond the toe, where its debris is"
     assert "farther than" not in found.note
     (deeper,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1]), DIMENSIONS, "A")
-    assert (
-        "With drained A moves farther than as it is, by more than 10 %, in 2 of 2 runs." in deeper.note and "buttress" not in deeper.note
-    )
+    assert "With drained A moves farther than as it is, by more than 10 %, in 2 of 2 runs." in deeper.note and "buttress" not in deeper.note
     (open_one,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1], at_rest=[1, 0, 1, 1, 1, 1]), DIMENSIONS, "A")
-    assert "With drained A moves farther than as it is, by more than 10 %, in 1 of 2 runs." in open_one.note, (
-        "the other may go on as far"
-    )
+    assert "With drained A moves farther than as it is, by more than 10 %, in 1 of 2 runs." in open_one.note, "the other may go on as far"
     keys = {"drained": {"water": {"file": "low.csv"}}, "buttress": {"soil": {"cohesion": 9.0}, "numerics": {"lattice_shift": [0.0, 0.5]}}}
     (named,) = compared(table_of(), DIMENSIONS, "A", keys=keys)
     assert "drained: `water.file` low.csv." in named.note
