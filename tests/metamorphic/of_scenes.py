@@ -108,7 +108,7 @@ def _differing(one: Data, other: Data, path: str = "") -> list[str]:
 def survey_elsewhere(case: Case, chance: np.random.Generator) -> None:
     """A survey in large coordinates: the same particles and bits, and the same layers where their bounds run through particles; metrics to
     rounding."""
-    far = (512345.6, 4321.1) if chance.random() < 0.5 else np.round(chance.uniform((-6e5, -300.0), (6e5, 4e3)), 1).tolist()
+    far = (512345.6, 2321.1) if chance.random() < 0.5 else np.round(chance.uniform((-6e5, -300.0), (6e5, 2e3)), 1).tolist()
 
     def moved(data: Data) -> Data:
         return placed(data, lambda x, z: (x + far[0], z + far[1]), turned=False)

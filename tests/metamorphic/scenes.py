@@ -178,7 +178,7 @@ def _motion(draw: Draw, record: bool) -> Data:
         return {"kind": kind}
     both = draw.one_of(True, False)
     samples = {"interval": draw.one_of(0.02, 0.04), "x": _samples(draw), **({"y": _samples(draw)} if both else {})}
-    scale = draw.one_of({"amplitude": amplitude}, {"factor": draw.one_of(1.0, -2.0)})
+    scale = draw.one_of({"amplitude": max(amplitude, 1.0)}, {"factor": draw.one_of(1.0, -2.0)})  # a smaller one may be meant in g
     return {"kind": kind, "start": start, "data": samples, **scale, **({"vertical": {"factor": 0.5}} if both else {})}
 
 
