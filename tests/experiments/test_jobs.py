@@ -18,6 +18,8 @@ from matplotlib.figure import Figure
 from snakemake.api import ConfigSettings, OutputSettings, ResourceSettings, SnakemakeApi
 from snakemake.iocontainers import Wildcards
 
+from sph.experiments.variants.design import EARLIER
+from sph.experiments.variants.design import EXPERIMENTS as VARIANTS
 from sph.scene.configuration import read_yaml
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -78,7 +80,7 @@ def _is_figure(file: str) -> bool:
 
 
 def test_every_file_of_a_target_is_made_by_a_rule(workflow: Any) -> None:
-    names = ["cost-accuracy", "resolution", "assumptions", "robustness", "spacing", "trade", "limits", "extremes"]
+    names = [each.name for each in VARIANTS] + list(EARLIER)
     for name in [*names, "trigger", "fragility", "confirm", "maps", "sensitivity", "back_analysis"]:
         (rule,) = (each for each in workflow.rules if each.name == name)
         files: list[str] = []
