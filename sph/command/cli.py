@@ -156,13 +156,21 @@ def new(
             "--water is lowered (m); berm, by its height (m)",
         ),
     ] = None,
+    softening: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUE,...",
+            help="loss of strength with slip, as sph fit-shear prints it: slip_at_peak and slip_at_residual (m), shape (linear or "
+            "exponential), width (m); 1 and 100 mm where it is not given",
+        ),
+    ] = None,
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml, study.yaml and their lines into")] = Path(),
 ) -> Told:
     """Write a scene and a study of your own slope, ready to run, and tell what was assumed because you did not type it."""
     from sph.command.new import new
 
     records = [*([first] if first else ()), *(record or ())]
-    return new(ground, slope, records, scale_to, component, unit, cover, soil, below, water, place, alternative, out)
+    return new(ground, slope, records, scale_to, component, unit, cover, soil, below, water, place, alternative, softening, out)
 
 
 @command(

@@ -11,9 +11,11 @@ from pydantic import TypeAdapter, ValidationError
 
 from sph.checks.scene import PLACEHOLDER_SOIL
 from sph.command.options import parse_acceleration, parse_numbers, parse_values
+from sph.scene.configuration import validated
 from sph.scene.ground_motion import read_record
 from sph.scene.ground_motion.units import Unit
 from sph.scene.names import check_known
+from sph.scene.soil import Softening
 from sph.scene.units import GRAVITY
 from sph.study.dimensions import Value
 
@@ -25,6 +27,7 @@ AS_SOIL = "as unit_weight=19,cohesion=6,friction_angle=32,residual_cohesion=0,re
 EXAMPLES = {
     "--soil": AS_SOIL,
     "--below": AS_SOIL,
+    "--softening": "as slip_at_peak=0.003,slip_at_residual=0.07,shape=exponential, slips in m as sph fit-shear prints them",
     "--alternative": "as drained=4,berm=3: the depth of the lowered water table, or by how much its line is lowered, and the height "
     "of the berm, m",
 }
@@ -59,6 +62,7 @@ class Known(NamedTuple):
     water: float | Path | None = None  # depth below the ground, m, or the file of a line
     places: Mapping[str, float | str] = {}  # x, m, or a distance beyond the toe
     alternatives: Mapping[str, float] = {}  # drained: depth of the water, m, or by how much a line is lowered; berm: its height, m
+    softening: Mapping[str, float | str] = {}  # loss of strength with slip, by the keys of a scene
 
     @property
     def own_soil(self) -> dict[str, float]:
@@ -115,6 +119,20 @@ def read_numbers(texts: list[str] | None, option: str) -> dict[str, float]:
         if isinstance(value, str) or not math.isfinite(value):
             raise ValueError(f"{option} {name}={value}: must be a number; {EXAMPLES[option]}")
     return {name: float(value) for name, value in values.items()}
+
+
+def read_softening(texts: list[str] | None) -> dict[str, float | str]:
+    """Loss of strength with slip, as a scene takes it; its width (m) may be left out."""
+    option = "--softening"
+    try:
+        typed = parse_values(texts, option)
+        if typed and not {"slip_at_peak", "slip_at_residual"} <= typed.keys():
+            raise ValueError(f"{option}: give both slip_at_peak and slip_at_residual")
+        if typed:
+            validated(Softening, {"width": 1.0, **typed}, option)
+    except ValueError as error:
+        raise ValueError(f"{error}: {EXAMPLES[option]}") from error
+    return typed
 
 
 def read_depth(text: str) -> float | Path:

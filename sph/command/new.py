@@ -18,7 +18,19 @@ from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.layers import MIN_IN_LAYER, broken, of_cover
 from sph.checks.messages import sentence
 from sph.checks.scene import HOLDS, PLACEHOLDER, room_ahead, to_side
-from sph.command.known import Known, read_depth, read_numbers, read_peak, read_plain, refuse, refused, to_digits, too_high, with_density
+from sph.command.known import (
+    Known,
+    read_depth,
+    read_numbers,
+    read_peak,
+    read_plain,
+    read_softening,
+    refuse,
+    refused,
+    to_digits,
+    too_high,
+    with_density,
+)
 from sph.command.options import parse_treatment, parse_values
 from sph.command.schema import schema_file
 from sph.command.sections import BERM_SIDE, Berm, at_depth, berm, plain_slope
@@ -115,7 +127,7 @@ soil: # density with its water; strength at the peak and, as residual, of failed
   S_R: {ratio}
   # From a shear test (docs/how-to/shear-tests.md), m: slip at the end of the peak and where the residual strength is reached
   # width: of the soil that yields before a slip surface forms, at least three spacings
-  softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}} # ASSUMED
+  softening: {softening}
 # Damping ratio at two frequencies: the natural one of the ground with its layers ("column frequency" of sph info, to be looked at again
 # when the soil and the layers are final), and five times that; damping also slows blocks that have not failed
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # ASSUMED
@@ -199,6 +211,7 @@ def new(
     water: str | None,
     place: list[str] | None,
     alternative: list[str] | None,
+    softening: list[str] | None,
     folder: Path,
 ) -> str:
     """Write what is asked for on the command line; the files, what was assumed, and what to do next.  ValueError names the option."""
@@ -224,6 +237,7 @@ def new(
         None if water is None else read_depth(water),
         read(parse_values, place, "--place") or {},
         read(read_numbers, alternative, "--alternative") or {},
+        read(read_softening, softening) or {},
     )
     if wrong:
         refuse([*wrong, *refused(known)])
@@ -388,10 +402,18 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     keys, what decides most first."""
     line, soil, own, water = section.line, known.whole_soil, known.own_soil, known.water
     units = {key: scene_keys()[f"soil.{key}"].replace("-", "") for key in soil}
-    width, rest = to_digits(WIDTH * section.height, 2), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
+    softening, rest = (
+        {"width": to_digits(WIDTH * section.height, 2)} | known.softening,
+        soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"]),
+    )
     jaky = 1.0 - math.sin(math.radians(soil["friction_angle"]))
     missing = [f"{key}: {value:g} {units[key]}".strip() for key, value in soil.items() if key not in own]
-    assumed = {SOFTENING: f"strength is lost from 1 mm to 100 mm of slip, in a zone {width:g} m wide"}
+    assumed = {}
+    if not known.softening:
+        softening = {"slip_at_peak": 1.0e-3, "slip_at_residual": 0.1, **softening}
+        assumed[SOFTENING] = f"strength is lost from 1 mm to 100 mm of slip, in a zone {softening['width']:g} m wide"
+    elif "width" not in known.softening:
+        assumed[f"{SOFTENING}.width"] = f"the zone that yields is {softening['width']:g} m wide"
     ratio, layers, carried = "1.0 # not felt: all soils have residual strengths", LAYERS_TEXT, ""
     if not known.has_residual:
         ratio = "0.5 # residual over peak strength, from a shear box or ring shear test  ASSUMED"
@@ -426,7 +448,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     assumed["damping"] = f"3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz"
     assumed["soil.dilation_angle"] = "no dilation"
     if isinstance(known.ground, Path):
-        title = f"Slope of {known.ground.name[:MAX_TITLE]}"
+        title = f"Slope {section.height:.3g} m high ({known.ground.name[:MAX_TITLE]})"
     else:
         title = "Slope {:g} m high, {:g} degree".format(*known.ground)
         assumed["geometry"] = f"level ground, {BEHIND * section.height:.4g} m behind the crest and {line.toe[0]:.4g} m before the toe"
@@ -454,7 +476,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "water": carried,
         "kernel": KERNEL_TEXT.format(ratio=HOLDS) if carried else "",
         "ratio": ratio,
-        "width": width,
+        "softening": f"{_flow(softening)}{' # ASSUMED' * (not known.softening)}",
         "start": START,
         "file": ", ".join(f"{key}: {quoted(value)}" for key, value in record.items() if value),
         "places": f"metrics: {{places: {{{places}}}}}" if places else "# metrics: {places: {house: 15 beyond the toe}}",
@@ -567,9 +589,9 @@ def quoted(text: str) -> str:
     return yaml.safe_dump(text, default_style='"', allow_unicode=True, width=math.inf).rstrip("\n")
 
 
-def _flow(soil: Mapping[str, float]) -> str:
-    """A soil as YAML in a line."""
-    return f"{{{', '.join(f'{key}: {value:g}' for key, value in soil.items())}}}"
+def _flow(keys: Mapping[str, float | str]) -> str:
+    """Keys of a scene as YAML in a line."""
+    return f"{{{', '.join(f'{key}: {value}' if isinstance(value, str) else f'{key}: {value:g}' for key, value in keys.items())}}}"
 
 
 def _name(folder: Path) -> str:

@@ -292,6 +292,27 @@ def test_the_soil_below_a_cover_may_be_typed() -> None:
 
 
 @pytest.mark.usefixtures("records")
+def test_the_loss_of_strength_may_be_typed() -> None:
+    """Then only its width is assumed, if that was not typed as well, and the page does not ask for shear tests."""
+    slips = "slip_at_peak=0.003,slip_at_residual=0.07,shape=exponential"
+    for typed, width, assumed in ((slips, None, {f"{SOFTENING}.width"}), (f"{slips},width=2.5", 2.5, set())):
+        told = CliRunner().invoke(app, ["new", *KNOWN, "--softening", typed, "--out", "own"])
+        assert told.exit_code == 0, told.output
+        softening = load_scene("own/scene.yaml").coupling.softening
+        assert (softening.slip_at_peak, softening.slip_at_residual, softening.shape) == (0.003, 0.07, "exponential")
+        assert width is None or softening.width == width
+        assert {key for key in load_study(Path("own/study.yaml")).study.assumed if SOFTENING in key} == assumed
+        shutil.rmtree("own")
+    for typed, why in (
+        ("slip_at_peak=0.003", "give both slip_at_peak and slip_at_residual"),
+        ("slip_at_peak=0.1,slip_at_residual=0.07", "must be more than slip_at_peak"),
+        (f"{slips},rate=3", "rate"),
+    ):
+        told = CliRunner().invoke(app, ["new", *KNOWN, "--softening", typed, "--out", "own"])
+        assert told.exit_code == 2 and "--softening" in told.output and why in " ".join(told.output.split()), told.output
+
+
+@pytest.mark.usefixtures("records")
 def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     """All that was typed is in it, nothing of it is assumed, and its checks have nothing against it."""
     told = CliRunner().invoke(app, ["new", *KNOWN, "--alternative", "drained=5,berm=5", "--out", "own"])
