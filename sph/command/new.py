@@ -397,23 +397,24 @@ def _grid(known: Known, peak: float) -> Iterator[str]:
         yield f"S_R: [{', '.join(map(quoted, RATIOS))}] # ASSUMED; for one layer write layers.NAME.S_R, or give residual strengths instead"
 
 
+def _softening(known: Known, section: _Section) -> dict[str, float | str]:
+    """Loss of strength with slip as a scene has it."""
+    slips: Mapping[str, float | str] = known.softening or {"slip_at_peak": 1.0e-3, "slip_at_residual": 0.1}
+    return {**slips, "width": known.softening.get("width", to_digits(WIDTH * section.height, 2))}
+
+
 def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, str]]:
     """What the texts of scene and study have in braces, but for the records; and what of it decides the answer and was not typed, by its
     keys, what decides most first."""
     line, soil, own, water = section.line, known.whole_soil, known.own_soil, known.water
     units = {key: scene_keys()[f"soil.{key}"].replace("-", "") for key in soil}
-    softening, rest = (
-        {"width": to_digits(WIDTH * section.height, 2)} | known.softening,
-        soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"]),
-    )
+    softening, rest = _softening(known, section), soil["poisson_ratio"] / (1.0 - soil["poisson_ratio"])
     jaky = 1.0 - math.sin(math.radians(soil["friction_angle"]))
     missing = [f"{key}: {value:g} {units[key]}".strip() for key, value in soil.items() if key not in own]
-    assumed = {}
-    if not known.softening:
-        softening = {"slip_at_peak": 1.0e-3, "slip_at_residual": 0.1, **softening}
-        assumed[SOFTENING] = f"strength is lost from 1 mm to 100 mm of slip, in a zone {softening['width']:g} m wide"
-    elif "width" not in known.softening:
-        assumed[f"{SOFTENING}.width"] = f"the zone that yields is {softening['width']:g} m wide"
+    width = f"in a zone {softening['width']:g} m wide"
+    assumed = {SOFTENING: f"strength is lost from 1 mm to 100 mm of slip, {width}"}
+    if known.softening:
+        assumed = {} if "width" in known.softening else {f"{SOFTENING}.width": f"strength is lost {width}"}
     ratio, layers, carried = "1.0 # not felt: all soils have residual strengths", LAYERS_TEXT, ""
     if not known.has_residual:
         ratio = "0.5 # residual over peak strength, from a shear box or ring shear test  ASSUMED"
