@@ -337,8 +337,8 @@ def _written(known: Known, folder: Path) -> Written:
         if not broken(filled, place_particles(filled)):
             break
         finer = rows._replace(own=rows.own + PARTS)
-        if (longest := cost(load_scene(scene)).seconds * (finer.own / rows.own) ** 3) > MAX_RUN:
-            raise ValueError(_too_thin(f"--alternative berm={known.alternatives['berm']:g}", longest, "give a higher one"))
+        if (seconds := cost(load_scene(scene)).seconds * (finer.own / rows.own) ** 3) > MAX_RUN:
+            raise ValueError(_too_thin(f"--alternative berm={known.alternatives['berm']:g}", seconds, "give a higher one"))
         rows = finer
     return Written(scene, study, assumed)
 

@@ -218,22 +218,25 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
             words.append(
                 f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe{_beside_others(known)}{_farther_in_weaker(table, known)}"
             )
-        words += _of_places(known)
+        words += _of_places(known, _weaker(table, known))
         if len(moving):
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
     return f"{'. '.join([*said, '; '.join(words)])}."
 
 
-def _of_places(known: pd.DataFrame) -> list[str]:
-    """The places that debris reaches in some of these runs, or that it certainly does not, and those whose ground moves with the slope."""
+def _of_places(known: pd.DataFrame, weaker: pd.DataFrame) -> list[str]:
+    """The places that debris reaches in some of these runs, or in ``weaker`` shaking alone, or that it certainly does not, and those whose
+    ground moves with the slope."""
     places, runs = places_in(known.columns), known.to_dict("records")
     reached = [name for name in places if (known[column_of(name, REACHED)] > 0.0).any()]
+    also = [name for name in places if name not in reached and (weaker[column_of(name, REACHED)] > 0.0).any()]
     moves = {name: float(known[column_of(name, GROUND)].max()) for name in places}
     moved = [f"{metres(by)} m at {name}" for name, by in moves.items() if by >= min(AREA_THRESHOLDS.values())]
     said = [f"it reaches {listed(reached)}"] if reached else []
     below = [name for name in places if known[column_of(name, PASSED)].notna().any()]  # to which debris could come
-    if below and not reached and not any(is_at_least(run) or near_miss(run, place) for run in runs for place in below):
+    said += [f"in weaker shaking it reaches {listed(also)}{' as well' * bool(reached)}"] if also else []
+    if below and not said and not any(is_at_least(run) or near_miss(run, place) for run in runs for place in below):
         said = [f"it does not reach {listed(below, 'or')}"]
     said += [f"the ground moves {listed(moved)}"] if moved else []
     return [words.replace("_", " ") for words in said]
@@ -286,10 +289,15 @@ def _beside_others(known: pd.DataFrame) -> str:
     return f" ({words})" * bool(words)
 
 
+def _weaker(table: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
+    """Runs of the scene as it is in weaker shaking than that of the runs ``known``."""
+    own = as_it_is(table)
+    return own[(own["diverged"] == 0) & ~own.index.isin(known.index)] if AMPLITUDE in own else own[:0]
+
+
 def _farther_in_weaker(table: pd.DataFrame, known: pd.DataFrame) -> str:
     """How far debris of the scene as it is goes in weaker shaking, where that is farther than in that of the runs ``known``."""
-    own = as_it_is(table)
-    weaker = own[(own["diverged"] == 0) & ~own.index.isin(known.index)] if AMPLITUDE in own else own[:0]
+    weaker = _weaker(table, known)
     if weaker.empty or weaker["runout"].max() < FARTHER_IN_WEAKER * known["runout"].max():
         return ""
     run = max(weaker.to_dict("records"), key=lambda run: run["runout"])

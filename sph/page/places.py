@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -29,6 +29,8 @@ HEAD = (
     "where it is not reached",
 )
 """What a row says."""
+LARGER = 1.1
+"""Over a value of the strongest shaking, from which on that of weaker shaking is given in its place."""
 
 
 def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) -> list[Table]:
@@ -43,20 +45,22 @@ def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) ->
         return []
     strongest = known[known[AMPLITUDE] == max(known[AMPLITUDE], key=float)] if AMPLITUDE in known else known
     names = known[ALTERNATIVE].astype(str) if ALTERNATIVE in known else pd.Series(BASE, known.index)
-    rows = []
+    rows, larger = [], False
     for place in places:
         for name in dict.fromkeys(names):
             runs = strongest[names[strongest.index] == name]
             called = AS_IT_IS if name == BASE else name
             first = _reached_from(known[names == name], place) if len(strongest) < len(known) else NOTHING
             unsure = contradicted and name == BASE
-            *cells, short = _at(runs, place, first, unsure)
             weaker = known[(names == name) & ~known.index.isin(strongest.index)]
+            *cells, short = _at(runs, weaker, place, first, unsure)
+            larger |= any(_is_larger(runs, weaker, column_of(place, quantity)) for quantity in (PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND))
             short += "" if unsure else _nearer(runs, weaker, place)
             rows.append((place.replace("_", " "), called if ALTERNATIVE in known else NOTHING, *cells, short))
     level = f" at {in_both(float(strongest[AMPLITUDE].iloc[0]))}" if AMPLITUDE in known else ""
     reached = (strongest[[column_of(place, REACHED) for place in places]] > 0.0).any(axis=None)
     notes = ["Impact pressure: mean over the depth of the debris."] * bool(reached)
+    notes += ["A value with a level of shaking is that of weaker shaking, in which it is larger."] * larger
     if held(strongest).any():
         notes.append("Weak soil that is held back might go farther with more rows of particles" + f": {why}" * bool(why) + ".")
     if len(moving := strongest[strongest["at_rest"] == 0]):
@@ -70,20 +74,41 @@ def _reached_from(runs: pd.DataFrame, place: str) -> str:
     return in_both(there.min()) if len(there) else NOTHING
 
 
-def _at(runs: pd.DataFrame, place: str, reached_from: str, contradicted: bool) -> Sequence[str]:
-    """The cells of a place from how many runs reach it on."""
-    of = {quantity: runs[column_of(place, quantity)] for quantity in (REACHED, PASSED, ARRIVAL, PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)}
-    there = of[REACHED] > 0.0
-    reached = f"{there.sum()} of {of[REACHED].notna().sum()}"
-    values = [NOTHING] * 4
+def _at(runs: pd.DataFrame, weaker: pd.DataFrame, place: str, reached_from: str, contradicted: bool) -> Sequence[str]:
+    """The cells of a place from how many runs reach it on, with what is larger in ``weaker`` shaking."""
+    of, there = runs[column_of(place, REACHED)], runs[column_of(place, REACHED)] > 0.0
+    reaching, weak = runs[there], weaker[weaker[column_of(place, REACHED)] > 0.0]
+    begins = NOTHING
     if there.any():
-        first = float((of[ARRIVAL] - runs["shaking_start"])[there].min())
-        speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
+        first = float((reaching[column_of(place, ARRIVAL)] - reaching["shaking_start"]).min())
         begins = NOTHING if first != first else "before it" if first < 0.0 else f"{first:.3g}"
-        values = [begins, metres(float(of[PEAK_DEPTH][there].max())), speed, pressure]
-    ground = float(of[GROUND].max())
-    moves = metres(ground) if ground >= min(AREA_THRESHOLDS.values()) else NOTHING
-    return (reached, reached_from, *values, moves, "not known: runs stand that should fail" if contradicted else _short(runs, place, there))
+    values = (
+        _largest(reaching, weak, column_of(place, quantity), said)
+        for quantity, said in ((PEAK_DEPTH, metres), (PEAK_SPEED, _two_digits), (PRESSURE, lambda value: _two_digits(1e-3 * value)))
+    )
+    counts = min(AREA_THRESHOLDS.values())
+    moves = _largest(runs, weaker, column_of(place, GROUND), lambda value: metres(value) if value >= counts else NOTHING)
+    short = "not known: runs stand that should fail" if contradicted else _short(runs, place, there)
+    return (f"{there.sum()} of {of.notna().sum()}", reached_from, begins, *values, moves, short)
+
+
+def _largest(runs: pd.DataFrame, weaker: pd.DataFrame, column: str, said: Callable[[float], str]) -> str:
+    """The largest value in words; that in ``weaker`` shaking, with its level, where it is at least ``LARGER`` times as large."""
+    if _is_larger(runs, weaker, column):
+        run = max(weaker[weaker[column].notna()].to_dict("records"), key=lambda run: run[column])
+        return f"{said(run[column])} at {in_both(float(run[AMPLITUDE]))}"
+    here = float(runs[column].max())
+    return NOTHING if math.isnan(here) else said(here)
+
+
+def _is_larger(runs: pd.DataFrame, weaker: pd.DataFrame, column: str) -> bool:
+    """Whether a value is larger in ``weaker`` shaking, and counts."""
+    here, there = (float(of[column].fillna(0.0).max()) if len(of) else 0.0 for of in (runs, weaker))
+    return there >= max(LARGER * here, min(AREA_THRESHOLDS.values()) if column.endswith(GROUND) else 1e-12)
+
+
+def _two_digits(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:

@@ -357,6 +357,8 @@ def test_a_berm_is_whole_at_the_coarser_spacing_as_well(slope: str, cover: float
     with_berm = plan.built(**next(run for run in plan.study.runs.values() if run["alternative"] == "berm"))
     found = {each.code: each.severity for each in findings(with_berm)}
     assert found["thin-layer"] == "warning" and "error" not in found.values()
+    assert CliRunner().invoke(app, ["new", *known[:-2], "--out", "without"]).exit_code == 0
+    assert with_berm.duration == load_scene("without/scene.yaml").duration, "the rows that a berm needs do not lengthen the run"
 
 
 @pytest.mark.usefixtures("records")

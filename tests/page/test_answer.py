@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -84,6 +85,32 @@ def test_what_the_debris_does_at_a_place() -> None:
     assert row_of(stand)[SHORT] == "no soil that fails comes within 30.0 m", "there is no debris to stop"
     assert row_of(RUNS[2:], "road")["reached in runs"] == "2 of 4" and "reached from" not in row_of(RUNS[2:]), "one level of shaking"
     assert row_of(RUNS, contradicted=True)[SHORT] == "not known: runs stand that should fail"
+
+
+def test_a_place_that_fares_worse_in_weaker_shaking_says_so() -> None:
+    """An engineer designs for the worst of all levels that were run."""
+    weak = RUNS["amplitude"].astype(float) < RUNS["amplitude"].astype(float).max()
+    worse = RUNS.assign(
+        road_reached=1.0,
+        road_peak_speed=np.where(weak, 8.9, 3.3),
+        road_impact_pressure=np.where(weak, 85e3, 8.3e3),
+        road_peak_depth=np.where(weak, 2.1, 2.0),
+        house_reached=np.where(weak, 1.0, 0.0),
+        house_peak_speed=np.where(weak, 5.2, 0.0),
+        house_ground_displacement=np.where(weak, 3.0, 0.0),
+    )
+    level = row_of(worse)["reached from"]
+    assert level != row_of(RUNS, "road")["reached from"]
+    road, house = row_of(worse, "road"), row_of(worse)
+    assert (road["fastest particle (m/s)"], road["impact pressure (kPa)"], road["depth up to (m)"]) == (
+        f"8.9 at {level}",
+        f"85 at {level}",
+        "2.00",
+    )
+    assert house["reached in runs"].startswith("0 of") and house["fastest particle (m/s)"] == f"5.2 at {level}"
+    assert house["its ground moves (m)"] == f"3.00 at {level}"
+    assert "is that of weaker shaking" in at_places(worse)[0].note and "is that of weaker shaking" not in at_places(RUNS)[0].note
+    assert "it reaches road; in weaker shaking it reaches house as well" in lead(worse, [])
 
 
 def test_each_alternative_has_its_own_row() -> None:
