@@ -449,7 +449,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
     assumed["damping"] = f"3 % at {of_rows['low']:g} and {of_rows['high']:g} Hz"
     assumed["soil.dilation_angle"] = "no dilation"
     if isinstance(known.ground, Path):
-        title = f"Slope {section.height:.3g} m high ({known.ground.name[:MAX_TITLE]})"
+        title = f"Slope {section.height:.3g} m high, {known.ground.name[:MAX_TITLE]}"
     else:
         title = "Slope {:g} m high, {:g} degree".format(*known.ground)
         assumed["geometry"] = f"level ground, {BEHIND * section.height:.4g} m behind the crest and {line.toe[0]:.4g} m before the toe"

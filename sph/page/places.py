@@ -45,7 +45,7 @@ def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) ->
         return []
     strongest = known[known[AMPLITUDE] == max(known[AMPLITUDE], key=float)] if AMPLITUDE in known else known
     names = known[ALTERNATIVE].astype(str) if ALTERNATIVE in known else pd.Series(BASE, known.index)
-    rows, larger = [], False
+    rows = []
     for place in places:
         for name in dict.fromkeys(names):
             runs = strongest[names[strongest.index] == name]
@@ -54,13 +54,13 @@ def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) ->
             unsure = contradicted and name == BASE
             weaker = known[(names == name) & ~known.index.isin(strongest.index)]
             *cells, short = _at(runs, weaker, place, first, unsure)
-            larger |= any(_is_larger(runs, weaker, column_of(place, quantity)) for quantity in (PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND))
             short += "" if unsure else _nearer(runs, weaker, place)
             rows.append((place.replace("_", " "), called if ALTERNATIVE in known else NOTHING, *cells, short))
     level = f" at {in_both(float(strongest[AMPLITUDE].iloc[0]))}" if AMPLITUDE in known else ""
-    reached = (strongest[[column_of(place, REACHED) for place in places]] > 0.0).any(axis=None)
+    reached = (known[[column_of(place, REACHED) for place in places]] > 0.0).any(axis=None)
     notes = ["Impact pressure: mean over the depth of the debris."] * bool(reached)
-    notes += ["A value with a level of shaking is that of weaker shaking, in which it is larger."] * larger
+    if len(strongest) < len(known):
+        notes.append("Values with a level of shaking are those of weaker shaking in which they are larger.")
     if held(strongest).any():
         notes.append("Weak soil that is held back might go farther with more rows of particles" + f": {why}" * bool(why) + ".")
     if len(moving := strongest[strongest["at_rest"] == 0]):
@@ -93,18 +93,14 @@ def _at(runs: pd.DataFrame, weaker: pd.DataFrame, place: str, reached_from: str,
 
 
 def _largest(runs: pd.DataFrame, weaker: pd.DataFrame, column: str, said: Callable[[float], str]) -> str:
-    """The largest value in words; that in ``weaker`` shaking, with its level, where it is at least ``LARGER`` times as large."""
-    if _is_larger(runs, weaker, column):
-        run = max(weaker[weaker[column].notna()].to_dict("records"), key=lambda run: run[column])
-        return f"{said(run[column])} at {in_both(float(run[AMPLITUDE]))}"
-    here = float(runs[column].max())
-    return NOTHING if math.isnan(here) else said(here)
-
-
-def _is_larger(runs: pd.DataFrame, weaker: pd.DataFrame, column: str) -> bool:
-    """Whether a value is larger in ``weaker`` shaking, and counts."""
-    here, there = (float(of[column].fillna(0.0).max()) if len(of) else 0.0 for of in (runs, weaker))
-    return there >= max(LARGER * here, min(AREA_THRESHOLDS.values()) if column.endswith(GROUND) else 1e-12)
+    """The largest value in words; that in ``weaker`` shaking, with its level, where it counts and is at least ``LARGER`` times as large."""
+    here, there = (
+        max((run for run in of.to_dict("records") if run[column] > 0.0), key=lambda run: run[column], default=None) for of in (runs, weaker)
+    )
+    value = here[column] if here else 0.0
+    if there and there[column] >= LARGER * value and said(there[column]) != NOTHING:
+        return f"{said(there[column])} at {in_both(float(there[AMPLITUDE]))}"
+    return said(value) if len(runs) else NOTHING
 
 
 def _two_digits(value: float) -> str:

@@ -27,7 +27,7 @@ SLOPES = {"aligned": (0.0, 12.0), "12 degrees": (12.0, 0.0), "25 degrees": (25.0
 """Dip of the seam over the lattice, and angle by which gravity is turned besides, degrees."""
 SEAMS = {"aligned": (20.0, 15.0), "12 degrees": (20.0, 15.0), "25 degrees": (20.0, 28.0)}
 """Cohesion (kPa) and friction angle (degrees)."""
-FINER = [(slope, 0.5) for slope in SLOPES]
+FINER = [*((slope, 0.5) for slope in SLOPES), ("25 degrees", 0.25)]
 DIPS_AND_SPACINGS = pytest.mark.parametrize(
     ("slope", "spacing"), [*((slope, 1.0) for slope in SLOPES), *(pytest.param(*each, marks=pytest.mark.long) for each in FINER)]
 )

@@ -269,7 +269,7 @@ def test_an_unshaken_failure_has_one_definition() -> None:
     fine = scene(**{"numerics.spacing": 0.5})
     assert not fine.fails_unshaken(4) and fine.fails_unshaken(5), "5 particles of 0.25 m2 on a slope of 10 m"
     assert DEFAULT_RULE.area == FAILED_AREA
-    for cohesion in (40.0, 25.0, 12.0):
+    for cohesion in (40.0, 25.0, 12.0, 1.0):
         slope = scene(**{"soil.cohesion": cohesion, "duration": 3.5, "numerics.spacing": 1.25, "numerics.time_step": 5e-4})
         found = {row.finding.code for row in of_study({"one": slope}, lambda line: None, [])}
         ended = run(standing_scene(slope)).status
