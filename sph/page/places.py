@@ -1,9 +1,9 @@
-"""What the debris does at each place in the strongest shaking of a study, a row for each alternative."""
+"""What the debris does at each place in the strongest shaking of a study, and in a weaker one that is worse, for each alternative."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -19,6 +19,7 @@ from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE
 HEAD = (
     "place",
     ALTERNATIVE,
+    "shaking",
     "reached in runs",
     "reached from",
     "first after (s of shaking)",
@@ -29,12 +30,13 @@ HEAD = (
     "where it is not reached",
 )
 """What a row says."""
-LARGER = 1.1
-"""Over a value of the strongest shaking, from which on that of weaker shaking is given in its place."""
+WORSE = 1.1
+"""Over the largest value in the strongest shaking, from which on that in weaker shaking is worth a row."""
 
 
 def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) -> list[Table]:
-    """What the debris does at each place in the strongest shaking of the runs of a study; no table without places.
+    """What the debris does at each place in the strongest shaking of the runs of a study, and in weaker shaking in which something is
+    worse; no table without places.
 
     While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``, nor as long as runs
     stand that should fail, where the scene as it is is ``contradicted``.
@@ -53,19 +55,38 @@ def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) ->
             first = _reached_from(known[names == name], place) if len(strongest) < len(known) else NOTHING
             unsure = contradicted and name == BASE
             weaker = known[(names == name) & ~known.index.isin(strongest.index)]
-            *cells, short = _at(runs, weaker, place, first, unsure)
-            short += "" if unsure else _nearer(runs, weaker, place)
-            rows.append((place.replace("_", " "), called if ALTERNATIVE in known else NOTHING, *cells, short))
-    level = f" at {in_both(float(strongest[AMPLITUDE].iloc[0]))}" if AMPLITUDE in known else ""
+            for of in (runs, *_worse(runs, weaker, place)):
+                *cells, short = _at(of, place, first, unsure)
+                short += "" if unsure or of is not runs else _nearer(runs, weaker, place)
+                rows.append((place.replace("_", " "), called if ALTERNATIVE in known else NOTHING, _level(of) or NOTHING, *cells, short))
+    at, level = "", _level(strongest)
+    if len({row[2] for row in rows}) == 1:  # the caption says it
+        at, rows = f" at {level}" * bool(level), [(*row[:2], NOTHING, *row[3:]) for row in rows]
     reached = (known[[column_of(place, REACHED) for place in places]] > 0.0).any(axis=None)
     notes = ["Impact pressure: mean over the depth of the debris."] * bool(reached)
-    if len(strongest) < len(known):
-        notes.append("Values with a level of shaking are those of weaker shaking in which they are larger.")
     if held(strongest).any():
         notes.append("Weak soil that is held back might go farther with more rows of particles" + f": {why}" * bool(why) + ".")
     if len(moving := strongest[strongest["at_rest"] == 0]):
         notes.append(f"Debris that still moves: {moves_on(moving)}.")
-    return [filled(Table(f"Debris at the places{level}", HEAD, rows, " ".join(notes)))]
+    return [filled(Table(f"Debris at the places{at}", HEAD, rows, " ".join(notes)))]
+
+
+def _worse(runs: pd.DataFrame, weaker: pd.DataFrame, place: str) -> list[pd.DataFrame]:
+    """Runs of the levels of ``weaker`` shaking in which a value at a place is largest, and counts."""
+    if weaker.empty:
+        return []
+    counts = (weaker[column_of(place, REACHED)] > 0.0) | (weaker[column_of(place, GROUND)] >= min(AREA_THRESHOLDS.values()))
+    levels = set[Any]()
+    for column in (column_of(place, quantity) for quantity in (PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)):
+        run = max(weaker[counts & (weaker[column] > 0.0)].to_dict("records"), key=lambda run: run[column], default=None)
+        if run and not run[column] < WORSE * runs[column].max():
+            levels.add(run[AMPLITUDE])
+    return [of for level, of in weaker.groupby(AMPLITUDE, sort=False) if level in levels]
+
+
+def _level(runs: pd.DataFrame) -> str:
+    """The amplitude of the shaking of some runs; nothing where there is none."""
+    return in_both(float(runs[AMPLITUDE].iloc[0])) if AMPLITUDE in runs and len(runs) else ""
 
 
 def _reached_from(runs: pd.DataFrame, place: str) -> str:
@@ -74,37 +95,20 @@ def _reached_from(runs: pd.DataFrame, place: str) -> str:
     return in_both(there.min()) if len(there) else NOTHING
 
 
-def _at(runs: pd.DataFrame, weaker: pd.DataFrame, place: str, reached_from: str, contradicted: bool) -> Sequence[str]:
-    """The cells of a place from how many runs reach it on, with what is larger in ``weaker`` shaking."""
-    of, there = runs[column_of(place, REACHED)], runs[column_of(place, REACHED)] > 0.0
-    reaching, weak = runs[there], weaker[weaker[column_of(place, REACHED)] > 0.0]
-    begins = NOTHING
+def _at(runs: pd.DataFrame, place: str, reached_from: str, contradicted: bool) -> Sequence[str]:
+    """The cells of a place from how many runs reach it on."""
+    of = {quantity: runs[column_of(place, quantity)] for quantity in (REACHED, PASSED, ARRIVAL, PEAK_DEPTH, PEAK_SPEED, PRESSURE, GROUND)}
+    there = of[REACHED] > 0.0
+    reached = f"{there.sum()} of {of[REACHED].notna().sum()}"
+    values = [NOTHING] * 4
     if there.any():
-        first = float((reaching[column_of(place, ARRIVAL)] - reaching["shaking_start"]).min())
+        first = float((of[ARRIVAL] - runs["shaking_start"])[there].min())
+        speed, pressure = (f"{float(f'{most:.2g}'):g}" for most in (of[PEAK_SPEED][there].max(), 1e-3 * of[PRESSURE][there].max()))
         begins = NOTHING if first != first else "before it" if first < 0.0 else f"{first:.3g}"
-    values = (
-        _largest(reaching, weak, column_of(place, quantity), said)
-        for quantity, said in ((PEAK_DEPTH, metres), (PEAK_SPEED, _two_digits), (PRESSURE, lambda value: _two_digits(1e-3 * value)))
-    )
-    counts = min(AREA_THRESHOLDS.values())
-    moves = _largest(runs, weaker, column_of(place, GROUND), lambda value: metres(value) if value >= counts else NOTHING)
-    short = "not known: runs stand that should fail" if contradicted else _short(runs, place, there)
-    return (f"{there.sum()} of {of.notna().sum()}", reached_from, begins, *values, moves, short)
-
-
-def _largest(runs: pd.DataFrame, weaker: pd.DataFrame, column: str, said: Callable[[float], str]) -> str:
-    """The largest value in words; that in ``weaker`` shaking, with its level, where it counts and is at least ``LARGER`` times as large."""
-    here, there = (
-        max((run for run in of.to_dict("records") if run[column] > 0.0), key=lambda run: run[column], default=None) for of in (runs, weaker)
-    )
-    value = here[column] if here else 0.0
-    if there and there[column] >= LARGER * value and said(there[column]) != NOTHING:
-        return f"{said(there[column])} at {in_both(float(there[AMPLITUDE]))}"
-    return said(value) if len(runs) else NOTHING
-
-
-def _two_digits(value: float) -> str:
-    return f"{float(f'{value:.2g}'):g}"
+        values = [begins, metres(float(of[PEAK_DEPTH][there].max())), speed, pressure]
+    ground = float(of[GROUND].max())
+    moves = metres(ground) if ground >= min(AREA_THRESHOLDS.values()) else NOTHING
+    return (reached, reached_from, *values, moves, "not known: runs stand that should fail" if contradicted else _short(runs, place, there))
 
 
 def _short(runs: pd.DataFrame, place: str, there: pd.Series) -> str:

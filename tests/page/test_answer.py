@@ -101,15 +101,17 @@ def test_a_place_that_fares_worse_in_weaker_shaking_says_so() -> None:
     )
     level = row_of(worse)["reached from"]
     assert level != row_of(RUNS, "road")["reached from"]
-    road, house = row_of(worse, "road"), row_of(worse)
-    assert (road["fastest particle (m/s)"], road["impact pressure (kPa)"], road["depth up to (m)"]) == (
-        f"8.9 at {level}",
-        f"85 at {level}",
-        "2.00",
+    (found,) = at_places(worse)
+    strong_road, weak_road, strong_house, weak_house = (dict(zip(found.head, row, strict=True)) for row in found.rows)
+    strongest = row_of(RUNS, "road")["reached from"]
+    assert [row["shaking"] for row in (strong_road, weak_road, strong_house, weak_house)] == [strongest, level] * 2
+    speed, pressure, moves = "fastest particle (m/s)", "impact pressure (kPa)", "its ground moves (m)"
+    assert (strong_road[speed], strong_road[pressure], weak_road[speed], weak_road[pressure]) == ("3.3", "8.3", "8.9", "85")
+    assert (strong_house["reached in runs"][:4], weak_house[speed], strong_house[moves], weak_house[moves]) == ("0 of", "5.2", "–", "3.00")
+    assert (
+        "shaking"
+        not in at_places(worse.assign(**{name: worse[name].max() for name in worse if name.startswith(("road_", "house_"))}))[0].head
     )
-    assert house["reached in runs"].startswith("0 of") and house["fastest particle (m/s)"] == f"5.2 at {level}"
-    assert house["its ground moves (m)"] == f"3.00 at {level}"
-    assert "those of weaker shaking" in at_places(worse)[0].note and "those of weaker shaking" not in at_places(worse[~weak])[0].note
     assert "it reaches road; in weaker shaking it reaches house as well" in lead(worse, [])
 
 
