@@ -31,7 +31,7 @@ STUDY = chosen_study(config, workflow.config_settings.overwrite_config)
 PLAN = load_study(STUDY, FOLDERS, workflow.is_main_process)
 RESULTS = PLAN.folder
 # What the page shows: of these files every study has some, one over the paper's dimensions its claims and Figures 1-7.
-SECTIONS = sections_of(PLAN.study)
+SECTIONS = sections_of(PLAN)
 # Every run that there is to make; configurations of experiments are read once a rule of theirs is asked for.
 CATALOGUE = Catalogue(PLAN, FOLDERS, check=workflow.is_main_process)
 

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 from sph.command.status import BESIDE, Stand, State, look_at, speeds, tests_left
 from sph.command.study import find_study
+from sph.experiments.variants.second_spacing import DECIDING, MOST_DECIDING
 from sph.jobs.ahead import AT_ONCE, TOGETHER
 from sph.scene.configuration import merge
 from sph.scene.names import check_known
@@ -71,6 +72,7 @@ class StudyCost(NamedTuple):
     steps: int  # of the longest run
     run: float  # s, the longest run from its gravity stage to its end
     shared: float  # s on one core, of the stages that runs share: gravity, and the shaking up to the first failure
+    repeats: float  # s on one core, at most, of runs that are repeated at a finer spacing where not all are at another
     searches: float  # s on one core, of static tests and the searches for limits of the slopes
     computing: float  # s on one core, of everything
     left: float  # s on one core, of jobs that are not done
@@ -123,8 +125,12 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
     search = slowest.pop(Kind.SEARCH, 0.0)
     longest = max((part for state, part in costs if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
     runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
+    repeats = 0.0
+    if plan.second and not plan.repeats_all:
+        repeats = MOST_DECIDING * max(start + job_cost(run).seconds / known.value for run in plan.second.shared.runs.values())
+    repeats_left = repeats * (not (base / plan.folder / DECIDING).is_file())
     after = (TABLES + TABLES_A_RUN * runs) / known.value
-    left = sum(waits) + checks_left + after * bool(waits)
+    left = sum(waits) + checks_left + repeats_left + after * bool(waits)
     # One stage after another, however many cores there are; the searches beside them.
     stages = of_card.left if of_card else sum(slowest.values())
     memory = (at_once - 1) * longest.memory + max(part.memory for _, part in costs)
@@ -139,8 +145,9 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         longest.steps,
         longest.seconds / known.value,
         sum(part.seconds for state, part in costs if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
+        repeats,
         (sum(part.seconds for state, part in costs if state.job.run.kind == Kind.SEARCH) + sum(tests.values())) / known.value,
-        sum(times) + sum(checks.values()) + after,
+        sum(times) + sum(checks.values()) + repeats + after,
         left,
         max(left / cores, max(stages, search, checks_left) + after * bool(waits) / min(cores, 8)),
         cores,
@@ -275,6 +282,9 @@ def lines(needs: StudyCost) -> list[str]:
             f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice that with the yield-acceleration search",
         ),
     ]
+    if needs.repeats:
+        what = f"of at most {MOST_DECIDING} runs with finer particles, which decide in what shaking the slope fails"
+        rows.insert(3, ("repeats", f"{_time(needs.repeats)} of one core: {what}"))
     if needs.searches:
         what = "static tests, factors of safety, yield accelerations; less of these with searches: quick or none in the study"
         rows.insert(

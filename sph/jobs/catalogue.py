@@ -17,6 +17,7 @@ from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY
 from sph.experiments.trigger.design import FOLDER as TRIGGER
 from sph.experiments.trigger.design import TriggerPlan
 from sph.experiments.variants.design import EARLIER
+from sph.experiments.variants.second_spacing import DECIDING, read_deciding
 from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
 from sph.storage.files import whole
@@ -99,12 +100,19 @@ class Catalogue:
         return self._rows(SENSITIVITY, tables, lambda: self.sensitivity.so_far(self.base))
 
     @property
+    def repeated(self) -> list[PlannedRun]:
+        """The runs that are repeated at a second spacing where not all are, once these are known, with their stages."""
+        path = self.base / self.plan.folder / DECIDING
+        return self.plan.repeated(read_deciding(path)) if not self.plan.repeats_all and path.is_file() else []
+
+    @property
     def started(self) -> list[PlannedRun]:
-        """Runs of the searches and of the analysis that have been started, without those that are the study's own."""
+        """Runs of the searches and of the analysis that have been started, without those that are the study's own, and those that are
+        repeated."""
         place = self.base / self.plan.folder
         searched = self.searched.values() if (place / TRIGGER).is_dir() else ()
         sampled = self.sampled.values() if (place / SENSITIVITY).is_dir() else ()
-        return [run for run in (*searched, *sampled) if run.target and run.file not in self.own]
+        return [run for run in (*searched, *sampled) if run.target and run.file not in self.own] + self.repeated
 
     def _rows(self, name: str, tables: Sequence[Path], made: Callable[[], Iterable[PlannedRun]]) -> dict[str, PlannedRun]:
         """Rows by file, made anew when a table from which they follow has changed."""
@@ -123,7 +131,7 @@ class Catalogue:
         for folder in self._known.keys() & {self.plan.folder, *ALONE}:
             rows = list(self._known[folder][1].values())
             if folder == self.plan.folder:
-                rows = self.plan.jobs + [run for run in asked.values() if run.file not in self.own]
+                rows = self.plan.jobs + self.repeated + [run for run in asked.values() if run.file not in self.own]
             path = self.base / folder / FILE
             path.parent.mkdir(parents=True, exist_ok=True)
             with whole(path) as temporary:

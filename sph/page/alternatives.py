@@ -15,6 +15,7 @@ from sph.checks.messages import listed
 from sph.figures.style import AT_LEAST, LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import PASSED, REACHED, column_of, places_in
+from sph.page.second_spacing import WHERE_SPACING_DECIDES, differs
 from sph.page.tables import Table
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE, Dimension, title_of
@@ -167,11 +168,11 @@ def holding(table: pd.DataFrame) -> str:
         return ""
     known = table[table["diverged"] == 0]
     levels = sorted(set(known[AMPLITUDE]), key=float)[:-1]
-    fails = (known["collapse_class"] != CLASSES[0]) | at_least(known)
+    fails, sure = (known["collapse_class"] != CLASSES[0]) | at_least(known), ~differs(known)
     failing = {
         (str(name), level): bool(of.any()) for (name, level), of in fails.groupby([known[ALTERNATIVE].astype(str), known[AMPLITUDE]])
     }
-    lost = {str(level) for level in known.loc[(known[ALTERNATIVE] == BASE) & (known["collapse_class"] != CLASSES[0]), AMPLITUDE]}
+    lost = {str(level) for level in known.loc[(known[ALTERNATIVE] == BASE) & (known["collapse_class"] != CLASSES[0]) & sure, AMPLITUDE]}
     held = dict[str, list[str]]()
     for name in dict.fromkeys(known[ALTERNATIVE].astype(str)):
         standing = [level for level in levels if str(level) in lost and failing.get((name, level)) is False]
@@ -279,8 +280,10 @@ def _fails_from(runs: pd.DataFrame) -> str:
     """The smallest amplitude of a run that fails."""
     if AMPLITUDE not in runs:
         return NOTHING
-    failing = runs.loc[runs["collapse_class"] != CLASSES[0], AMPLITUDE].astype(float)
-    return in_both(failing.min()) if len(failing) else f"not up to {in_both(runs[AMPLITUDE].astype(float).max())}"
+    shaking, fails, unsure = runs[AMPLITUDE].astype(float), runs["collapse_class"] != CLASSES[0], differs(runs)
+    least, sure = shaking[fails | unsure].min(), shaking[fails & ~unsure].min()
+    said = [in_both(sure)] * (not math.isnan(sure)) + [in_both(least) + WHERE_SPACING_DECIDES] * bool(unsure.any() and not least >= sure)
+    return "; ".join(said) or f"not up to {in_both(shaking.max())}"
 
 
 def _acceleration(runs: pd.DataFrame) -> str:

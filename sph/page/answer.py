@@ -21,10 +21,8 @@ from sph.page.alternatives import compared, doubts, holding, of_alternative, sli
 from sph.page.facts import (
     NOT_SEARCHED,
     NOT_TESTED,
-    answer_spacing,
     at_residual,
     claims,
-    drifts,
     fails_in_weakest,
     few_rows,
     going,
@@ -38,6 +36,7 @@ from sph.page.facts import (
 from sph.page.levels import levels, widths
 from sph.page.matrix import TO_COME
 from sph.page.places import at_places
+from sph.page.second_spacing import answer_spacing, at_spacings, differs, drifts
 from sph.page.tables import Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
@@ -45,7 +44,7 @@ from sph.scene.scheme import SOFTENING
 from sph.scene.units import in_both
 from sph.stability.record import SAFETY, SEARCHES, YIELD
 from sph.storage.trajectory import Status
-from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, BASE, CASE, Dimension, shown_unit, title_of
+from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, BASE, CASE, SPACING, Dimension, shown_unit, title_of
 from sph.study.preflight import Row, read_preflight
 from sph.study.tables import EXPECTED
 
@@ -95,11 +94,13 @@ def answer(
     to_come: Collection[str] = (),
     assumed: Collection[str] = (),
     alternatives: Mapping[str, Mapping[str, Any]] | None = None,
+    again: pd.DataFrame | None = None,
 ) -> Answer:
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
 
     That for a ``client`` names no commands and keys, neither of the scene's that are ``assumed`` nor of ``alternatives``.  Of runs that are
-    still ``missing`` in the table nothing is said; ``to_come`` are the codes of findings that are still searched.
+    still ``missing`` in the table nothing is said; ``to_come`` are the codes of findings that are still searched; ``again`` is the table of
+    the runs at a second spacing.
     """
     size = len(table) + missing
     rows = [row for file in found(FINDINGS) or found(CHECKED) for row in read_preflight(file)]
@@ -120,6 +121,9 @@ def answer(
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     least = min((of.numbers["value"] for of in findings if of.code == SEARCHES[SAFETY].code), default=math.nan)
     yields = own["yield_acceleration"].min()
+    of_search = searched(scene, found(CRITICAL))
+    if not of_search and AMPLITUDE in own and SPACING not in own:
+        less = "; ".join(filter(None, (at_spacings(own, again, probe, scene.numerics.spacing), less)))
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
         (
@@ -133,10 +137,10 @@ def answer(
             statically,
         ),
         *when(strongest(own), probe),
-        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(own, dimensions, missing), less),
+        ("Shaking at which it fails", of_search or going(own, dimensions, missing), less),
         ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing, by_slices["spencer"] if by_slices else math.inf))),
         *at_residual(rows),
-        *answer_spacing(found(SPACINGS), why),
+        *answer_spacing(again, size, why),
         *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     doubted = contradicted(as_it_is(strongest(table)), rows)
@@ -145,7 +149,7 @@ def answer(
         if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
         else ("differs, see all runs", "")
     )
-    alarms = drifts(found(SPACINGS), probe, _points(table, dimensions))
+    alarms = drifts(again, probe, _points(table, dimensions))
     beside = "" if doubted else " ".join(filter(None, (verdict(strongest(table), doubts(table, rows)), holding(table))))
     return Answer(
         [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
@@ -158,7 +162,7 @@ def answer(
         + [filled(each) for each in (levels(own, dimensions, probe, why), *widths(own))],
         alarms,
         list(map(_raised, _warnings(table, scene, probe, rows, client, size))),
-        surer_with(table, rows, bool(found(SPACINGS)) or not why_unknown, bool(alarms), scene.early_stop is not None, SOFTENING in assumed),
+        surer_with(table, rows, again is not None or not why_unknown, bool(alarms), scene.early_stop is not None, SOFTENING in assumed),
         expected,
         why_unknown,
     )
@@ -212,13 +216,15 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int =
         else:
             words = [f"{level} {fail} of {len(known)} runs {'collapse' if fail == collapse else 'fail'}{'s' * (fail == 1)}"]
             words[0] += f", {collapse} of them by collapse" * (0 < collapse < fail)
+        if decided := int((differs(known) & (known["collapse_class"] != CLASSES[0])).sum()):
+            words[0] += f", {decided} of them" * (len(known) > 1) + " at one of two spacings alone"
         words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
-        moving = known[known["at_rest"] == 0]
+        moving, weaker = known[known["at_rest"] == 0], _weaker(table, known)
         if (farthest := known["runout"].max()) > 0.0:
             words.append(
-                f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe{_beside_others(known)}{_farther_in_weaker(table, known)}"
+                f"debris runs {_bound(known)} {metres(farthest)} m beyond the toe{_beside_others(known)}{_farther_in_weaker(weaker, known)}"
             )
-        words += _of_places(known, _weaker(table, known))
+        words += _of_places(known, weaker)
         if len(moving):
             of = f" of {runs_said(len(moving))}" * (len(known) > 1)
             words.append(f"soil still moves at the end{of}, {moves_on(moving)}")
@@ -290,14 +296,14 @@ def _beside_others(known: pd.DataFrame) -> str:
 
 
 def _weaker(table: pd.DataFrame, known: pd.DataFrame) -> pd.DataFrame:
-    """Runs of the scene as it is in weaker shaking than that of the runs ``known``."""
+    """Runs of the scene as it is in weaker shaking than that of the runs ``known``, without those of which the spacing decides if they
+    stand."""
     own = as_it_is(table)
-    return own[(own["diverged"] == 0) & ~own.index.isin(known.index)] if AMPLITUDE in own else own[:0]
+    return own[(own["diverged"] == 0) & ~own.index.isin(known.index) & ~differs(own)] if AMPLITUDE in own else own[:0]
 
 
-def _farther_in_weaker(table: pd.DataFrame, known: pd.DataFrame) -> str:
-    """How far debris of the scene as it is goes in weaker shaking, where that is farther than in that of the runs ``known``."""
-    weaker = _weaker(table, known)
+def _farther_in_weaker(weaker: pd.DataFrame, known: pd.DataFrame) -> str:
+    """How far debris goes in ``weaker`` shaking, where that is farther than in that of the runs ``known``."""
     if weaker.empty or weaker["runout"].max() < FARTHER_IN_WEAKER * known["runout"].max():
         return ""
     run = max(weaker.to_dict("records"), key=lambda run: run["runout"])

@@ -21,6 +21,7 @@ from PIL import Image
 
 from sph.checks.after_run import is_bounded
 from sph.checks.equilibrium import found_equilibrium
+from sph.experiments.variants.second_spacing import read_spacing
 from sph.figures import caption as caption_of
 from sph.figures.arrangement import stays_words
 from sph.figures.before_after import NARROW, WIDE, figure_before_after
@@ -28,9 +29,10 @@ from sph.figures.style import DPI, NOTHING, WIDTH
 from sph.measures.metrics import CLASSES, MetricSettings, class_words
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
-from sph.page.answer import answer, as_it_is, strongest
+from sph.page.answer import SPACINGS, answer, as_it_is, strongest
 from sph.page.explorer import explorer
 from sph.page.matrix import TO_COME, Matrix, matrix
+from sph.page.second_spacing import differs, with_second_class
 from sph.page.sections import DOCS, Drawing, Section, of
 from sph.page.tables import MAX_VALUES, Code, Table, chosen_keys, client_table, csv_table, layer_table, run_columns, scene_table
 from sph.scene.schema import Scene
@@ -167,6 +169,12 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     whole_table, axes = read_table(study.table, study.layout), [found.name for found in study.dimensions]
     points = [dict(zip(axes, values, strict=True)) for values in whole_table[axes].itertuples(index=False, name=None)]
     whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [point_name(point) for point in points])
+
+    def found(pattern: str) -> list[str]:
+        return [file for file, _ in of({pattern: None}, study.files, study.folder)]
+
+    again = next(map(read_spacing, found(SPACINGS)), None)
+    whole_table = with_second_class(whole_table, again, axes)
     if len(whole_table) != study.size - len(study.missing) or not set(study.runs) <= set(whole_table.index):
         raise ValueError(f"{study.table}: its rows are not the {study.size} runs of the study; repeat the command that wrote it")
     table = whole_table[whole_table.index.isin(list(study.runs))]
@@ -186,10 +194,6 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     over = [found.phrase for found in study.dimensions]
 
     first, cells = farthest(table), matrix(_with_missing(whole_table, study), study.dimensions, study.probe, list(table.index))
-
-    def found(pattern: str) -> list[str]:
-        return [file for file, _ in of({pattern: None}, study.files, study.folder)]
-
     page = template().render(
         study=study,
         scene=scene,
@@ -208,6 +212,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
             study.to_come,
             study.assumed,
             study.alternatives,
+            again,
         ),
         overview=None if first is None else overview(study, first, titles[list(table.index).index(first)], cells),
         missing=[f"{title_of(study.dimensions, each.point)}: {each.stand}" for each in study.missing.values()],
@@ -235,6 +240,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         key: {"facts": row, "status": status, "file": file, "title": title}
         for key, row, status, file, title in zip(keyed, rows, table["status"], files, titles, strict=True)
     }
+    as_csv = table[study.layout.names].to_csv(index=False, na_rep="NaN", lineterminator="\n")
     data: dict[str, Any] = {
         "columns": [column.heading for column in columns],
         "numbers": [column.heading for column in columns if column.result],
@@ -242,7 +248,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         "folder": study.folder,
         "client": study.client,
         "points": facts,
-        "table": base64.b64encode(zlib.compress(table.to_csv(index=False, na_rep="NaN", lineterminator="\n").encode(), 9)).decode(),
+        "table": base64.b64encode(zlib.compress(as_csv.encode(), 9)).decode(),
     }
     data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST, study.places, study.read)
     if study.client:
@@ -280,11 +286,16 @@ def found_part(section: Section, study: StudyFiles) -> Part:
 
 
 def farthest(table: pd.DataFrame) -> str | None:
-    """The run of those shown that goes farthest, of the scene as it is where there are alternatives; None where all diverged.  Of runs
-    whose debris reached an end of the box, which is as far as it can go, that of the strongest shaking."""
+    """The run of those shown that goes farthest, of the scene as it is where there are alternatives; None where all diverged.
+
+    Those of which the spacing decides if they stand are left out where there are others.  Of runs whose debris reached an end of the box,
+    which is as far as it can go, it is that of the strongest shaking.
+    """
     sound = as_it_is(table[table["diverged"] == 0])
     if sound.empty:
         return None
+    if not (unsure := differs(sound)).all():
+        sound = sound[~unsure]
     met = sound["reached_side"].map(is_bounded)
     if met.any():
         sound = strongest(sound[met])

@@ -1,10 +1,10 @@
-"""The facts of the first screen, one by one: limits of the slopes, shaking at which they fail, spacings, frequencies."""
+"""The facts of the first screen, one by one: limits of the slopes, shaking at which they fail, frequencies."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -15,10 +15,8 @@ from sph.checks.messages import Severity, factor_words, limit_how, limit_words, 
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
-from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, read_spacing
-from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, STABLE
-from sph.measures.places import PASSED, column_of, places_in
+from sph.page.second_spacing import differs, second_class
 from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -141,16 +139,23 @@ def searched(scene: Scene, files: Sequence[str]) -> str:
 
 def going(table: pd.DataFrame, dimensions: Sequence[Dimension], missing: int = 0) -> str:
     """The amplitudes between which the weakest of the slopes leaves the class 'stable', by the runs whose soil does not fail before; at
-    most the higher one where runs are ``missing``, which may fail at less."""
+    most the higher one where runs are ``missing``, which may fail at less.  Where some were made at a second spacing, too, a run counts as
+    one that fails if it does so at both, and as one that stands if it is not known to fail at any.
+    """
     if AMPLITUDE not in table:
         return "only one level of shaking was run"
     table = table[table["status"] != Status.FAILED_UNSHAKEN]
     if table.empty:
         return "no answer: every run fails without shaking"
-    shaking = table[AMPLITUDE].astype(float)
-    gone = shaking[table["collapse_class"].isin(CLASSES[1:])].min()
-    below = shaking[shaking < shaking[table["collapse_class"] != STABLE].min()].max()  # a run that diverged is not known to stand
+    shaking, differ = table[AMPLITUDE].astype(float), differs(table)
+    stands = (table["collapse_class"] == STABLE) & ~differ  # a run that diverged is not known to stand
+    fails = table["collapse_class"].isin(CLASSES[1:]) & ~differ
+    if (again := second_class(table) != "").any():
+        fails &= again
+    below, gone = shaking[shaking < shaking[~stands].min()].max(), shaking[fails].min()
     of = " in the weakest case" if len(dimensions) > 1 else ""
+    if math.isnan(gone) and differ.any():
+        return f"not known: at {in_both(shaking[differ].min())} it depends on the spacing"
     if math.isnan(gone):
         return f"no failure found{' so far' * bool(missing)} up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
     return f"at most {in_both(gone)}{of}" if missing or math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
@@ -201,49 +206,6 @@ def _verdicts(file: str) -> dict[int, str]:
         raise ValueError(f"{file}: cannot be read as a table: {error}; delete it and repeat the command that wrote it") from error
     first = rows.drop_duplicates("claim")
     return dict(zip(first["claim"].tolist(), first["verdict"].tolist(), strict=True))
-
-
-def answer_spacing(files: Sequence[str], why: str = "") -> list[tuple[str, str, str]]:
-    """In how many runs a second spacing changes nothing that counts, which shows little where both have few rows of particles: ``why``."""
-    facts = []
-    for file in files:
-        rows = read_spacing(file)
-        runs = [set(of["verdict"]) == {CONVERGED} for _, of in rows.groupby("run")]
-        at = " and ".join(f"{rows[name].iloc[0]:.3g} m" for name in ("spacing", "second_spacing"))
-        few = f"; it does not show what more rows would change: {why}" * bool(why)
-        words = f"{CONVERGED}, or differs by less than counts as motion, in {sum(runs)} of {len(runs)} runs"
-        facts.append(("Spacing", words, f"all runs with particles of {at}{few}"))
-    return facts
-
-
-def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[str]:
-    """The largest change of displacement and run-out by a second spacing, where that is not converged, and the runs in which it decides
-    whether the debris reaches a place; ``points`` are the words for runs, others keep their names."""
-    found = []
-    for file in files:
-        rows = read_spacing(file)
-        rows["run"] = [points.get(run, run) for run in rows["run"]]
-        drifting = rows[rows["verdict"] == NOT_CONVERGED]
-        for quantity, what in (("displacement_magnitude", f"displacement of {probe}"), ("runout", "run-out")):
-            of = drifting[drifting["quantity"] == quantity]
-            if of.empty:
-                continue
-            worst = max(of.to_dict("records"), key=lambda row: abs(row["value"] - row["second_value"]))
-            both = sorted(((worst[f"{which}spacing"], worst[f"{which}value"]) for which in ("", "second_")), reverse=True)
-            said = ", ".join(f"{metres(value)} m at {spacing:.3g} m" for spacing, value in both)
-            towards = "" if math.isnan(worst["extrapolated"]) else f"; extrapolated to spacing 0: {metres(worst['extrapolated'])} m"
-            count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
-            found.append(f"Not converged: {what} in {len(of)} of {count} runs, most at {worst['run']}: {said}{towards}.")
-        for place in places_in(rows["quantity"].unique()):
-            past = rows[rows["quantity"] == column_of(place, PASSED)]
-            known = [(run, values) for run, *values in past[["run", "value", "second_value"]].itertuples(index=False)]
-            open_runs = [run for run, values in known if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1]
-            if open_runs:
-                found.append(
-                    f"Not converged: whether debris reaches {place} depends on the spacing at {'; '.join(open_runs[:3])}"
-                    f"{f' and {len(open_runs) - 3} more runs' if len(open_runs) > 3 else ''}."
-                )
-    return found
 
 
 def runs_said(count: float) -> str:

@@ -14,6 +14,7 @@ from sph.figures.study import arranged
 from sph.figures.style import LEAST, class_colours, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import places_in
+from sph.page.second_spacing import differs
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
 
@@ -21,6 +22,8 @@ MAX_CELLS = 80
 """Most runs of which each has a cell."""
 MAX_BESIDE = 4
 """Most columns beside a wide picture."""
+DECIDES = "*"
+"""Marks a run that stands at one of two spacings and fails at the other."""
 LEGIBLE = 0.4
 """Luminance from which on text on a colour is dark."""
 DIVERGED, UNSHAKEN, TO_COME = "diverged", "fails unshaken", "still to come"
@@ -82,8 +85,10 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
     done = table[table["collapse_class"] != TO_COME]
     unknown = bool((at_least(done) & (done["displacement_magnitude"] < LEAST)).any())
+    decides = bool(differs(done).any())
     beside = ", beside it the run-out," * any(cell.runout for panel in panels for _, cells in panel.rows for cell in cells)
     caption = f"Displacement of {probe} (m){beside} in each run" + ", with a question mark where it might be more," * unknown
+    caption += f", with {DECIDES} where the spacing decides whether it stands," * decides
     return Matrix(caption, found.panels[0].along.label, panels, {
         kind: colours for kind, colours in _colours().items() if kind in kinds
     })  # fmt: skip
@@ -92,7 +97,9 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
 def _cells(runs: pd.DataFrame, along: Dimension, values: Sequence[str], shown: Sequence[str]) -> list[Cell]:
     """The cells of a row, in the order of the values of its columns."""
     of = {row[along.name]: (str(name), row) for name, row in zip(runs.index, runs.to_dict("records"), strict=True)}
-    return [_cell(*of[value], shown) for value in values]
+    unsure = set(map(str, runs.index[differs(runs)]))
+    cells = [_cell(*of[value], shown) for value in values]
+    return [cell._replace(words=f"{cell.words}{DECIDES}") if cell.name in unsure else cell for cell in cells]
 
 
 def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:

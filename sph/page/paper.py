@@ -8,8 +8,20 @@ from sph.experiments.paper import figures
 from sph.experiments.paper.design import FIGURES as RESULTS
 from sph.experiments.paper.design import PaperStudy
 from sph.page.answer import CLAIMS, TRIGGER_CLAIM
-from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS, SPACING, TRIGGER, Section, drawings, numbered
-from sph.study.schema import Study
+from sph.page.sections import (
+    DECIDING_TEXT,
+    FIGURES,
+    MAPS,
+    OF_EVERY_STUDY,
+    PREFLIGHT,
+    SECTIONS,
+    SPACING,
+    TRIGGER,
+    Section,
+    drawings,
+    numbered,
+)
+from sph.study.plan import Plan
 
 PAPER_SECTIONS: tuple[Section, ...] = (
     FIGURES._replace(
@@ -44,9 +56,10 @@ PAPER_SECTIONS: tuple[Section, ...] = (
 """The sections in their order on the page."""
 
 
-def sections_of(study: Study) -> tuple[Section, ...]:
+def sections_of(plan: Plan) -> tuple[Section, ...]:
     """The sections of a study's page, the paper's or those of any, without figures that are left out."""
-    second = (SPACING,) if study.second_fidelity not in (None, study.fidelity) else ()
+    study = plan.study
+    second = (SPACING if plan.repeats_all else SPACING._replace(text=DECIDING_TEXT),) if plan.second else ()
     sections = PAPER_SECTIONS if isinstance(study, PaperStudy) else SECTIONS
     return tuple(_without(section, study.left_out) for section in sections) + second
 

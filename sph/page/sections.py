@@ -170,6 +170,8 @@ SPACING = Section(
     always=True,
 )
 """Of a study with a second fidelity."""
+DECIDING_TEXT = "The runs that decide in what shaking the slope fails, at a second spacing."
+"""What it says where no others are repeated."""
 SECTIONS = (FIGURES, PREFLIGHT, TRIGGER, MAPS, *OF_EVERY_STUDY)
 """The sections of a study of any dimensions, in their order on the page."""
 FIRST_SCREEN = (FINDINGS, CRITICAL, SPACINGS, ANNUAL)

@@ -54,6 +54,8 @@ ALTERNATIVE, BASE = "alternative", "base"
 """Dimension of a study with alternatives, and its value for the scene as it is."""
 AS_IT_IS = "as it is"
 """That value as it is read."""
+SPACING = "numerics.spacing"
+"""Dimension of a study that compares spacings itself."""
 RECORD = "motion.file"
 """Dimension of the record, whose values have names."""
 DIRECTION, DIRECTIONS = "motion.factor", (("1", "as recorded"), ("-1", "reversed"))

@@ -119,26 +119,48 @@ class Plan:
     def jobs(self) -> list[PlannedRun]:
         """Everything that is run for the study: stages, runs, and the searches for its yield accelerations."""
         searched = {search.file for search in self.searches.values()}
-        return [run for run in self.shared if run.kind != Kind.SEARCH or run.file in searched] + self.second_runs
+        own = [run for run in self.shared if run.kind != Kind.SEARCH or run.file in searched]
+        return own + (self.second_runs if self.repeats_all else [])
 
     @functools.cached_property
     def second(self) -> Plan | None:
-        """The study at its second fidelity; None where that is the study's own or there is none."""
-        fidelity = self.study.second_fidelity
-        return self.at(fidelity) if fidelity and fidelity != self.study.fidelity and not self._subfolder else None
+        """The study at another spacing: at its second fidelity, or, where it runs at that one, at the fidelity with the next finer spacing;
+        None where there is none, and for what lies in a folder below that of the study."""
+        if not self.study.second_fidelity or self._subfolder:
+            return None
+        if self.repeats_all:
+            return self.at(self.study.second_fidelity)
+        plans = [self.at(name) for name in self.study.fidelities if AMPLITUDE in self.study.names]
+        finer = [plan for plan in plans if plan.spacing < self.spacing]
+        return max(finer, key=lambda plan: plan.spacing, default=None)
+
+    @property
+    def repeats_all(self) -> bool:
+        """Whether every run is repeated at the second spacing, and not just those that decide in what shaking the slope fails."""
+        return self.study.second_fidelity != self.study.fidelity
+
+    @property
+    def spacing(self) -> float:
+        """Spacing of the first run, m."""
+        return self.built(**next(iter(self.study.runs.values()))).numerics.spacing
 
     @property
     def draft(self) -> Plan | None:
         """The study at its second fidelity where that is the coarser one, and so the sooner done."""
-        spacings = [plan.built(**next(iter(self.study.runs.values()))).numerics.spacing for plan in (self, self.second) if plan]
-        return self.second if spacings[-1] > spacings[0] else None
+        return self.second if self.second and self.second.spacing > self.spacing else None
 
     @property
     def second_runs(self) -> list[PlannedRun]:
-        """Stages and runs at the second fidelity."""
-        runs = [run for run in self.second.shared if run.kind != Kind.SEARCH] if self.second else []
-        at = f"fidelity {self.study.second_fidelity}"
-        return [run._replace(group=f"{run.group} at {at}", target=at) for run in runs]
+        """Stages and runs at the second spacing, of which only some are made unless all are repeated."""
+        return self._repeated(self.second.shared) if self.second else []
+
+    def repeated(self, names: Iterable[str]) -> list[PlannedRun]:
+        """Those of some runs."""
+        return self._repeated(self.second.runs_at({name: self.study.runs[name] for name in names})) if self.second else []
+
+    def _repeated(self, shared: SharedRuns) -> list[PlannedRun]:
+        at = f"fidelity {self.second.study.fidelity}" if self.second else ""
+        return [run._replace(group=f"{run.group} at {at}", target=at) for run in shared if run.kind != Kind.SEARCH]
 
     @property
     def slope(self) -> PlannedRun:

@@ -26,6 +26,7 @@ from sph.study.dimensions import (
     AMPLITUDE,
     BASE,
     CASE,
+    SPACING,
     Value,
     Values,
     as_written,
@@ -127,8 +128,9 @@ class Study(Section):
         "scene keys that each fidelity sets, by name", default={OWN: {}}, min_length=1
     )
     second_fidelity: str | None = key(
-        "one of the fidelities, with another spacing, at which every run is repeated, so that the page shows what the spacing changes; "
-        "null: none",
+        "one of the fidelities, with another spacing, at which every run is repeated, so that the page shows what the spacing changes; at "
+        "that fidelity itself only those runs are, with the next finer spacing of the fidelities, that decide in what shaking the slope "
+        "fails; null: none",
         default=None,
     )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
@@ -224,9 +226,9 @@ class Study(Section):
 
     @model_validator(mode="after")
     def _one_spacing_a_fidelity(self) -> Study:
-        if self.second_fidelity not in (None, self.fidelity) and "numerics.spacing" in self.names:
+        if self.second_fidelity not in (None, self.fidelity) and SPACING in self.names:
             raise ValueError(
-                f"second_fidelity: {self.second_fidelity!r} has no spacing of its own, since numerics.spacing is a dimension of the runs; "
+                f"second_fidelity: {self.second_fidelity!r} has no spacing of its own, since {SPACING} is a dimension of the runs; "
                 "leave out one of the two"
             )
         return self

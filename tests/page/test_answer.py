@@ -15,9 +15,11 @@ from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import _lower_first, held_back, lead, surer_with
+from sph.page.build import farthest
 from sph.page.facts import at_residual, fails_in_weakest, unshaken, yearly
 from sph.page.levels import levels, widths
 from sph.page.places import at_places
+from sph.page.second_spacing import differs, with_second_class
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
 from sph.study.tables import write_csv
@@ -367,3 +369,32 @@ def test_the_sentence_names_the_places_that_are_reached_and_those_that_go_along(
     short = RUNS.assign(road_reached=0.0, reached_side="", road_passed=-20.0)
     assert "; it does not reach road or house" in lead(short, [])
     assert "reach" not in lead(short.assign(at_rest=0, **MOVING), []) + lead(short.assign(road_passed=-1.0), [])
+
+
+def test_what_the_spacing_decides_counts_neither_way() -> None:
+    """The weaker level reaches the house, but stands with other particles."""
+    runs = RUNS.assign(
+        status="complete",
+        diverged=0,
+        collapse_class=["stable", "collapse", "collapse", "collapse", "collapse", "collapse"],
+        alternative=["base"] * 6,
+        gamma=["1", "2", "1", "2", "3", "4"],
+        runout=[0.0, 50.0, 4.0, 10.0, 14.0, 20.0],
+        house_reached=[0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        displacement_magnitude=1.0,
+        reached_side="",
+    )
+    again = pd.DataFrame({"run": [1, 4], "second_class": ["stable", "collapse"]})
+    sure, unsure = (with_second_class(runs, each, ["amplitude", "gamma", "alternative"]) for each in (None, again))
+    assert differs(unsure).tolist() == [False, True, False, False, False, False] and not differs(sure).any()
+    assert row_of(sure)["reached from"] == "2 m/s2 (0.204 g)"
+    assert row_of(unsure)["reached from"] == "4 m/s2 (0.408 g); 2 m/s2 (0.204 g), where the spacing decides"
+    assert "and 50.0 m at 2 m/s2" in lead(sure, []) and "50.0 m" not in lead(unsure, [])
+    assert farthest(sure) == "1" and farthest(unsure) == "5"
+    failing = with_second_class(runs, again.assign(run=[4, 5]), ["amplitude", "gamma", "alternative"])
+    assert "4 of 4 runs collapse, 1 of them at one of two spacings alone" in lead(failing, [])
+    other = runs[1:2].assign(alternative="berm").set_index(pd.Index([6]))
+    with_berm = with_second_class(pd.concat([runs, other]), again, ["amplitude", "gamma", "alternative"])
+    assert differs(with_berm)[6], "nobody has repeated the alternative"
+    held = with_second_class(pd.concat([runs, other.assign(collapse_class="stable")]), again, ["amplitude", "gamma", "alternative"])
+    assert not differs(held)[6], "it stands, as the repeated run does"

@@ -36,6 +36,7 @@ from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST, explorer
 from sph.page.facts import claims, going, limit, searched, unshaken
 from sph.page.levels import levels
+from sph.page.second_spacing import with_second_class
 from sph.page.sections import DOCS, existing
 from sph.page.tables import chosen_keys, csv_table, layer_table, scene_table, short
 from sph.scene.gravity import GRAVITY
@@ -440,6 +441,12 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     weak = table.assign(status=["failed_unshaken", "failed_unshaken", "complete", "complete"])
     assert going(weak, [cohesion, shaking]).startswith("no failure found up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
+    twice = with_second_class(table, pd.DataFrame({"run": [1, 0], "second_class": ["stable", "stable"]}), [])
+    assert going(twice, [cohesion, shaking]) == "not known: at 2 m/s2 (0.204 g) it depends on the spacing"
+    finer = with_second_class(table, pd.DataFrame({"run": [1, 0], "second_class": ["minor", "collapse"]}), [])
+    assert going(finer, [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)"), "with other particles it fails at less"
+    both = with_second_class(table, pd.DataFrame({"run": [1, 0], "second_class": ["collapse", "stable"]}), [])
+    assert going(both, [cohesion, shaking]) == going(table, [cohesion, shaking])
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
     many = many.assign(
         displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="", at_rest=1, diverged=0

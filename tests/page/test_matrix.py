@@ -11,6 +11,7 @@ from synthetic import study_row
 
 from sph.measures.metrics import CLASSES
 from sph.page.matrix import DIVERGED, MAX_CELLS, UNSHAKEN, Cell, matrix
+from sph.page.second_spacing import with_second_class
 from sph.study.dimensions import Dimension, short_names
 
 DIMENSIONS = [Dimension("S_R", "-", "", False), Dimension("gamma", "1/s", "", False), Dimension("amplitude", "m/s2", "", False)]
@@ -42,6 +43,16 @@ def test_every_run_has_its_cell_wherever_it_stands_in_the_table() -> None:
                 assert (S_R in label or S_R in panel.title) and (gamma in label or gamma in panel.title)
                 seen.append(cell.name)
     assert sorted(seen) == sorted(table.index)
+
+
+def test_a_run_that_the_spacing_decides_has_an_asterisk() -> None:
+    table = a_study(("0.1", "0.5"), ("1",), ("2.0", "4.0"))
+    again = pd.DataFrame({"run": [table.index[0], table.index[1]], "second_class": ["stable", "damaged"]})
+    found = matrix(with_second_class(table, again, []), DIMENSIONS, "A", [])
+    assert found is not None and "with * where the spacing decides whether it stands" in found.caption
+    marked = [cell.name for panel in found.panels for _, cells in panel.rows for cell in cells if cell.words.endswith("*")]
+    assert marked == [table.index[0]]
+    assert "*" not in (matrix(table, DIMENSIONS, "A", []) or found).caption
 
 
 def test_records_are_called_by_their_names() -> None:

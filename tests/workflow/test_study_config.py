@@ -439,8 +439,8 @@ def test_figures_of_all_runs_are_left_out_where_runs_do_not_differ() -> None:
         ({"S_R": [0.1], "soil.cohesion": [20, 30]}, ["map"]),
         ({"S_R": [0.1, 0.2], "soil.cohesion": [20, 30]}, []),
     ):
-        study = free(grid=grid).study
-        (section,) = (section for section in sections_of(study) if section.title == "Figures")
+        study = (chosen := free(grid=grid)).study
+        (section,) = (section for section in sections_of(chosen) if section.title == "Figures")
         assert (
             list(study.left_out)
             == missing
@@ -465,7 +465,7 @@ def test_figures_of_the_paper_whose_runs_are_not_in_the_grid_are_left_out_and_na
         "fig7": "grid.S_R: 0.35",
     }
     results, example = (
-        next(section for section in sections_of(chosen.study) if section.title == title)
+        next(section for section in sections_of(chosen) if section.title == title)
         for title in ("The paper's results", "The paper's example")
     )
     assert all(f"Figure {number} is left out (grid.S_R: " in results.text for number in (4, 6, 7))
@@ -473,7 +473,7 @@ def test_figures_of_the_paper_whose_runs_are_not_in_the_grid_are_left_out_and_na
     with pytest.raises(ValueError, match="fig4: grid.S_R: 0.10"):
         chosen.figure_runs("fig4")
     whole = plan({})
-    assert not whole.study.left_out and sections_of(whole.study) == PAPER_SECTIONS
+    assert not whole.study.left_out and sections_of(whole) == PAPER_SECTIONS
 
 
 def test_what_figures_are_asked_for_by_their_keys_must_be_in_the_grid() -> None:

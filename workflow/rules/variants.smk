@@ -234,8 +234,22 @@ rule robustness:
         rules.robustness_figure.output,
 
 
+checkpoint deciding_runs:
+    """Find the runs that decide in what shaking the slope fails, which are repeated with finer particles where not all are."""
+    input:
+        study=f"{RESULTS}/study.csv",
+    output:
+        f"{RESULTS}/{second_spacing.DECIDING}",
+    log:
+        f"{RESULTS}/logs/deciding_runs.log",
+    params:
+        **made_by(second_spacing.deciding_runs, lambda wildcards: named_runs()),
+    script:
+        "../scripts/make.py"
+
+
 rule spacing_table:
-    """Compare every run of the study with that at a second spacing."""
+    """Compare runs of the study with those at a second spacing."""
     input:
         study=f"{RESULTS}/study.csv",
         runs=files(second_runs),
@@ -247,9 +261,8 @@ rule spacing_table:
         **made_by(
             second_spacing.spacing_table,
             lambda wildcards: {
-                "names": list(PLAN.study.runs),
+                **named_runs(),
                 "spacings": CATALOGUE.design("spacing").spacings,
-                "layout": PLAN.layout,
                 "settings": SETTINGS,
             },
             second_runs,

@@ -244,7 +244,7 @@ def load_variants(
 
 
 class Spacing(NamedTuple):
-    """A study at its fidelity and at the second one."""
+    """A study at its fidelity and at another spacing."""
 
     own: Plan
     second: Plan
@@ -252,15 +252,13 @@ class Spacing(NamedTuple):
     @property
     def spacings(self) -> tuple[float, float]:
         """Spacing of the first run at both, m."""
-        first = next(iter(self.own.study.runs.values()))
-        own, second = (plan.built(**first).numerics.spacing for plan in self)
-        return own, second
+        return self.own.spacing, self.second.spacing
 
 
 def load_spacing(file: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> Spacing:
-    """The runs of a study at a second spacing, which its key ``second_fidelity`` names.
+    """The runs of a study at a second spacing, which its key ``second_fidelity`` asks for.
 
-    ValueError for a study without a second fidelity, and for two fidelities with one spacing.
+    ValueError for a study without a second spacing, and for two fidelities with one spacing.
     """
     if study.second is None:
         raise ValueError(

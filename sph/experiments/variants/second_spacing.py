@@ -1,4 +1,8 @@
-"""What a second spacing changes: displacement, run-out and distance from places of every run at both, extrapolated, with a verdict."""
+"""What a second spacing changes: class, displacement, run-out and distance from places of runs at both, extrapolated, with a verdict.
+
+A study is repeated as a whole at its second fidelity, or, where that is the one it runs at, the few runs are that decide in what shaking
+the slope fails.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +12,11 @@ from typing import Any
 
 import pandas as pd
 
-from sph.measures.metrics import UNDETERMINED, MetricSettings, measure
+from sph.measures.metrics import CLASSES, UNDETERMINED, MetricSettings, measure
 from sph.measures.places import PASSED, column_of
 from sph.output.run import Run
-from sph.storage.trajectory import Variable
+from sph.storage.trajectory import Status, Variable
+from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, BASE
 from sph.study.tables import Layout, number_column, read_csv, read_table, text_column
 
 RELATIVE = 0.1
@@ -19,12 +24,17 @@ RELATIVE = 0.1
 CONVERGED, NOT_CONVERGED, UNKNOWN = f"agrees within {100.0 * RELATIVE:g} %", "not converged", "undetermined"
 """Verdicts; undetermined: a run diverged.  Two close spacings may agree and both be wrong by more."""
 LENGTHS = ("displacement_magnitude", "runout")
+DECIDING, MOST_DECIDING = "deciding.csv", 3
+"""Table of the runs that are repeated where not all are, and how many there are at most."""
+DECIDING_COLUMNS = (text_column("run", "name of a run that decides in what shaking the slope fails"),)
 
 
 def spacing_columns() -> tuple[Variable, ...]:
     """The columns of the table."""
     return (
         text_column("run", "name of the run: its files are runs/<run>.nc at both fidelities"),
+        text_column("collapse_class", "class of the run at the spacing of the study"),
+        text_column("second_class", "class of the run at the second spacing"),
         text_column("quantity", f"{' or '.join(LENGTHS)}, or the run-out past a place"),
         number_column("spacing", "m", "spacing of the study"),
         number_column("value", "m", "value of the quantity at that spacing"),
@@ -36,24 +46,47 @@ def spacing_columns() -> tuple[Variable, ...]:
         number_column("extrapolation_error", "m", "half the step from the value at the finer spacing to the extrapolated one"),
         text_column(
             "verdict",
-            f"{CONVERGED}: the class is the same, and the two values differ by at most {RELATIVE:.0%} of that at the finer spacing, or by "
-            "less than what counts as motion (metrics.onset_threshold; for a run-out half the coarser spacing); else "
+            f"{CONVERGED}: the class is the same, and the two values differ by at most {RELATIVE:.0%} of that at the finer spacing (past a "
+            "place: of the run-out), or by less than what counts as motion (metrics.onset_threshold; for a run-out half the coarser "
+            "spacing); else "
             f"{NOT_CONVERGED}; {UNKNOWN}: a run diverged",
         ),
     )
 
 
+def deciding_runs(study: str, names: Sequence[str], layout: Layout) -> pd.DataFrame:
+    """The runs that decide in what shaking the slope as it is fails, of a study with runs of these ``names``: of the weakest two levels in
+    which one fails, and of the strongest below in which none does, each the one whose probe moves farthest.
+    """
+    table = read_table(study, layout)
+    table.index = pd.Index(names)
+    own = table[table[ALTERNATIVE] == BASE] if ALTERNATIVE in table else table
+    own = own[(own["diverged"] == 0) & (own["status"] != Status.FAILED_UNSHAKEN)]
+    shaking, fails = own[AMPLITUDE].astype(float), own["collapse_class"] != CLASSES[0]
+    failing = sorted(set(shaking[fails]))
+    standing = sorted(level for level in set(shaking) if not level >= min(failing, default=math.inf))
+    chosen = [own[fails & (shaking == level)] for level in failing[:2]] + [own[shaking == level] for level in standing[-1:]]
+    return pd.DataFrame({"run": [runs["displacement_magnitude"].idxmax() for runs in chosen]}, dtype=str)
+
+
+def read_deciding(path: Any) -> list[str]:
+    """The names in that table; ValueError names a file that is not one."""
+    return list(read_csv(path, DECIDING_COLUMNS, "the runs that decide")["run"])
+
+
 def spacing_table(
     study: str, runs: Mapping[Any, Run], names: Sequence[str], spacings: tuple[float, float], settings: MetricSettings, layout: Layout
 ) -> pd.DataFrame:
-    """Every run of the study at a second spacing: displacement, run-out and run-out past places at both, on a line to spacing 0, and
+    """Runs of the study at a second spacing: class, displacement, run-out and run-out past places at both, on a line to spacing 0, and
     whether they agree. Every column is defined in docs/reference/files.md.
     """
     rows, quantities = [], (*LENGTHS, *(column_of(place, PASSED) for place in settings.places))
-    for name, own, run in zip(names, read_table(study, layout).to_dict("records"), runs.values(), strict=True):
-        second = measure(run, settings)
+    table = dict(zip(names, read_table(study, layout).to_dict("records"), strict=True))
+    for name, run in runs.items():
+        own, second = table[name], measure(run, settings)
         rows += [
-            (name, quantity, *compared(own, second, quantity, spacings, settings.onset_threshold))
+            (name, *(each["collapse_class"] for each in (own, second)), quantity)
+            + compared(own, second, quantity, spacings, settings.onset_threshold)
             for quantity in quantities
             if own["collapse_class"] == UNDETERMINED or not math.isnan(own[quantity])
         ]
@@ -72,7 +105,8 @@ def compared(
         verdict = UNKNOWN
     else:
         least = moved if quantity == LENGTHS[0] else 0.5 * coarse
-        near = abs(at_fine - at_coarse) <= max(RELATIVE * abs(at_fine), least)
+        goes = at_fine if quantity in LENGTHS else float((own if spacings[0] == fine else second)["runout"])
+        near = abs(at_fine - at_coarse) <= max(RELATIVE * abs(goes), least)
         verdict = CONVERGED if near and len(classes) == 1 else NOT_CONVERGED
     if len(classes) > 1:
         step = math.nan
