@@ -18,6 +18,7 @@ Every function takes many surfaces at once: arrays have the shape (surfaces, sli
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +35,9 @@ SMALLEST = 1e-3
 """Value below which its change counts over this, since a critical coefficient may be 0."""
 SAME_ROOT = 1e-3
 """Largest difference from 1 of the factor of safety under a critical coefficient."""
+PARTS, CONVEX = (0.0, 0.25, 0.5, 0.75), 0.01
+"""Parts of a critical coefficient from whose factors of safety, two by two, that under the whole follows at least, since it falls along a
+convex line; and by how much of F - 1 that may exceed 1."""
 LEAST_COEFFICIENT = 0.1
 """Critical coefficient, at least, over (F - 1) sin(alpha); it is 1 / (cos(alpha) + sin(alpha) tan(phi)) on a plane."""
 MAX_TURN = 0.35
@@ -120,16 +124,21 @@ def spencer_coefficient(slices: Slices) -> Balance:
     """Critical coefficients of surfaces of any shape by Spencer's method; negative where F < 1 without a load.
 
     The two equations may have further roots, with another theta, that no load from nothing upwards comes to, and which count as none: under
-    that k the factor of safety is not 1, or k has not the sign of F - 1, or next to nothing of what it is on a plane as steep as the chord.
+    that k the factor of safety is not 1, or under parts of it there is none, or it does not fall along a convex line; or k has not the sign
+    of F - 1, or is next to nothing of what it is on a plane as steep as the chord.
     """
     balance = _without_negative_strength(slices, lambda s: _spencer(s, None))
     there = np.isfinite(balance.value)
     k = np.where(there, balance.value, 0.0)
-    unloaded, loaded = (spencer(slices, each).value - 1.0 for each in (0.0, k))
+    excess = [spencer(slices, part * k).value - 1.0 for part in PARTS]
+    unloaded, loaded = excess[0], spencer(slices, k).value - 1.0
     rise, length = (slices.length * np.sin(slices.inclination)).sum(axis=1), slices.length.sum(axis=1)
-    # No factor at all, as close to much tension, tells nothing.
-    other = np.isfinite(loaded) & (np.abs(loaded) > SAME_ROOT)
+    # No factor under the whole, as close to much tension, tells nothing.
+    other = np.isfinite(loaded) & (np.abs(loaded) > SAME_ROOT) | ~np.isfinite([*excess, loaded]).any(axis=0)
     with np.errstate(invalid="ignore"):
+        for (part, before), (next_part, after) in pairwise(zip(PARTS, excess, strict=True)):
+            lowest = after + (after - before) * (1.0 - next_part) / (next_part - part)
+            other |= np.isfinite(lowest) & (lowest > np.maximum(CONVEX * np.abs(unloaded), SAME_ROOT))
         least = LEAST_COEFFICIENT * unloaded * rise / length
         other |= (np.abs(unloaded) > SAME_ROOT) & np.isfinite(unloaded) & (k * np.sign(unloaded) < np.abs(least))
     return balance._replace(value=np.where(there & ~other, balance.value, np.inf))

@@ -237,6 +237,29 @@ def test_a_wet_cover_that_just_stands_yields_as_one_on_a_plane() -> None:
     assert found.critical.value == pytest.approx(on_a_plane, rel=0.15)
 
 
+HILLSIDE = [
+    [0.0, 40.2], [48.0, 41.3], [62.0, 42.0], [70.0, 46.1], [78.0, 50.4], [86.0, 54.6], [92.0, 57.9], [97.0, 58.0],
+    [104.0, 62.3], [112.0, 66.9], [120.0, 71.2], [128.0, 74.6], [140.0, 75.8], [160.0, 76.4], [190.0, 76.9],
+]  # fmt: skip
+"""With a road bench at x = 92 to 97 m."""
+
+
+def test_a_weak_cover_does_not_yield_in_shaking_in_which_it_stands() -> None:
+    """A surface that dips a decimetre into the rock has a further root, at 0.376, where the factor of the hillside is 1.07."""
+    rock = {"region": {"kind": "depth", "top": 2.5}, "soil": soil(60.0, 36.0, 18.0)}
+    scene = ground(HILLSIDE, 25.1, soil(9.0, 35.0, 14.0), layers={"rock": rock})
+    critical = limit_equilibrium(scene).critical
+    assert critical.depth == pytest.approx(2.5, abs=0.01), "it slides on the rock"
+    assert limit_equilibrium(scene, critical.value).spencer.value == pytest.approx(1.0, rel=0.005)
+
+
+def test_a_dam_that_stands_yields_in_shaking_towards_its_toe() -> None:
+    """Along the foundation of the upper dam there were roots at -0.56 and 0.08, under which no surface fails."""
+    scene = load_scene("docs/gallery/upper_san_fernando.yaml")
+    critical = limit_equilibrium(scene).critical.value
+    assert critical > 0.0 and limit_equilibrium(scene, critical).spencer.value == pytest.approx(1.0, rel=0.005)
+
+
 def test_a_mirrored_slope_has_the_same_factors() -> None:
     points, own = ACADS_1, soil(3.0, 19.6, 20.0)
     mirrored = ground([[-x, y] for x, y in points][::-1], 20, own, **{"geometry.downhill": "right"})
