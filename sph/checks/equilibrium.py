@@ -9,6 +9,7 @@ from typing import Any
 
 import scipy  # type: ignore[import-untyped]
 
+from sph.checks.cover_rows import covers
 from sph.checks.finding import Finding, finding
 from sph.checks.layers import MIN_IN_LAYER, layers_of
 from sph.scene.geometry import SLOPES
@@ -19,6 +20,7 @@ from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.natural_periods import column_at, impedance_below
 from sph.scene.schema import Scene
 from sph.solver.particles import place_particles
+from sph.solver.physics.interface import soil_numbers
 from sph.stability.newmark import sliding_block
 from sph.stability.slip_search import MAX_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, spencer_factor
 from sph.stability.slip_surface import soil_along
@@ -26,6 +28,9 @@ from sph.stability.standing import slope_height, weakened, with_strength
 
 MAX_DIFFERENCE = {"factor-of-safety": 0.05, "yield-acceleration": 0.2}
 """Of a limit by SPH from Spencer's, over that, which is told; a few per cent of strength are much of a small yield acceleration."""
+DEEPER, UNBREAKABLE = 1.2, 1e6
+"""Depth of a slip surface over the thickness of a cover from which on it is one through the ground, too; and a cohesion that no surface
+passes, kPa."""
 STIFFER = 1.5
 """Impedance of bedrock over that of the lowest soil from which on a slip surface ends at it."""
 STABLE = 0.3
@@ -61,6 +66,24 @@ def equilibrium_numbers(equilibrium: LimitEquilibrium) -> dict[str, Any]:
     return numbers
 
 
+def within_cover(scene: Scene, equilibrium: LimitEquilibrium) -> dict[str, Any]:
+    """Factor of safety ``cover_spencer`` and yield acceleration ``cover_critical`` (m/s2) of surfaces that stay in the weak soil ``cover``
+    on stronger ground, by Spencer's method, where the worst surface goes deeper; of several such soils the one with the least factor."""
+    found, kinds, names = list[tuple[float, dict[str, Any]]](), soil_numbers(scene), ["soil", *scene.layers]
+    for cover in covers(scene):
+        if max(equilibrium.spencer.depth, equilibrium.critical.depth) <= DEEPER * cover.thickness:
+            continue
+        alone = scene
+        for number, kind in enumerate(kinds):
+            if kind != kinds[names.index(cover.name)]:
+                alone = with_strength(alone, number, cohesion=UNBREAKABLE)
+        if (own := found_equilibrium(alone)) is not None:
+            limits = {f"cover_{name}": value for name, value in equilibrium_numbers(own).items() if name in ("spencer", "critical")}
+            called = scene.soil.name if cover.name == "soil" else None
+            found.append((own.spencer.value, {"cover": called or cover.name, **limits}))
+    return min(found, key=lambda each: each[0])[1] if found else {}
+
+
 def without_surface(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Finding]:
     """The finding of a slope in which no surface slides: too strong, or with too little ground for one to end on."""
     if equilibrium is not None or not applies(scene):
@@ -76,7 +99,8 @@ def of_equilibrium(scene: Scene, limits: Iterable[Finding] = ()) -> list[Finding
     equilibrium = found_equilibrium(scene)
     if equilibrium is None:
         return without_surface(scene, equilibrium)
-    told = [finding("limit-equilibrium", **equilibrium_numbers(equilibrium)), *slip_at_base(scene, equilibrium)]
+    numbers = equilibrium_numbers(equilibrium) | within_cover(scene, equilibrium)
+    told = [finding("limit-equilibrium", **numbers), *slip_at_base(scene, equilibrium)]
     spencer = {"factor-of-safety": equilibrium.spencer.value, "yield-acceleration": GRAVITY * equilibrium.critical.value}
     for limit in limits:
         bound = spencer.get(limit.code, math.inf)

@@ -257,7 +257,8 @@ def braked_words(of: Finding) -> str:
 def factor_words(of: Numbers) -> str:
     """The factors of safety of both methods of limit equilibrium, and where the surfaces lie."""
     bishop = f"{of['bishop']:.2f} (circle)" if "bishop" in of else "not found"
-    return f"Bishop {bishop}, Spencer {of['spencer']:.2f} ({_surface(of, 'spencer')})"
+    within = f"; within {of['cover']} {of['cover_spencer']:.2f}" if "cover_spencer" in of else ""
+    return f"Bishop {bishop}, Spencer {of['spencer']:.2f} ({_surface(of, 'spencer')}{within})"
 
 
 def block_words(of: Numbers) -> str:
@@ -274,7 +275,8 @@ def yield_words(of: Numbers) -> str:
         return f"Spencer {in_both(0.0)}: the slope does not stand"
     if "critical" not in of:
         return "Spencer: not found"
-    return f"Spencer {in_both(of['critical'])} ({_surface(of, 'critical')})"
+    within = f"; within {of['cover']} {in_both(of['cover_critical'])}" if "cover_critical" in of else ""
+    return f"Spencer {in_both(of['critical'])} ({_surface(of, 'critical')}{within})"
 
 
 def _reasons(of: Numbers) -> str:

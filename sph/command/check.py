@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sph
-from sph.checks.equilibrium import equilibrium_numbers, factor_below_1, found_equilibrium, slip_at_base, without_surface
+from sph.checks.equilibrium import equilibrium_numbers, factor_below_1, found_equilibrium, slip_at_base, within_cover, without_surface
 from sph.checks.finding import Finding, called, finding
 from sph.checks.layers import Layer, layers_of, needed_rows, seam_rows
 from sph.checks.liquefaction import of_liquefaction
@@ -59,6 +59,8 @@ class Check(NamedTuple):
     probes: dict[str, int]
     layers: list[Layer]
     equilibrium: LimitEquilibrium | None
+    limits: dict[str, Any]
+    """by it"""
     findings: list[Finding]
 
 
@@ -159,7 +161,7 @@ def motions_of(plan: Plan) -> dict[str, list[dict[str, Any]]]:
 def in_motions(motions: Mapping[str, Sequence[Scene]], checked: Check) -> dict[str, list[Finding]]:
     """Errors and warnings of the motions of a study, each at its largest amplitude, besides those of the scene that is ``checked``."""
     strongest = {name: scenes[-1] for name, scenes in motions.items()}
-    critical = 0.0 if checked.equilibrium is None else equilibrium_numbers(checked.equilibrium).get("critical", 0.0)
+    critical = checked.limits.get("critical", 0.0)
     turned = other_direction(strongest, critical)
     told = {
         name: [*([turned[name]] if name in turned else []), *new_findings(findings(scene, checked.particles), checked.findings)]
@@ -218,8 +220,8 @@ def further(variants: Variants, known: Sequence[Finding], static: bool = False) 
         found = new_findings(each.findings, [*known, *everywhere])
         if static:
             found = [*standing(each.scene), *found]
-        if each.equilibrium is not None:
-            found.insert(0, finding("limit-equilibrium", **equilibrium_numbers(each.equilibrium)))
+        if each.limits:
+            found.insert(0, finding("limit-equilibrium", **each.limits))
         told["alternatives"][f"{name}{variants.at}"] = found
     for fidelity, scenes in variants.again.items():
         for name, scene in scenes.items():
@@ -278,7 +280,8 @@ def check(scene: Scene) -> Check:
         ],
         key=lambda each: each.rank,
     )
-    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), equilibrium, told)
+    limits = {} if equilibrium is None else equilibrium_numbers(equilibrium) | within_cover(scene, equilibrium)
+    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), equilibrium, limits, told)
 
 
 def rows(checked: Check, motions: Mapping[str, Sequence[Scene]] | None = None) -> list[tuple[str, str]]:
@@ -298,7 +301,7 @@ def rows(checked: Check, motions: Mapping[str, Sequence[Scene]] | None = None) -
         toe, crest = (geometry.in_survey(*place) for place in (geometry.toe, geometry.crest))
         steep = f"{geometry.slope_height:.4g} m high, 1 : {(geometry.crest[0] - geometry.toe[0]) / geometry.slope_height:.2g}"
         lines.append(("slope", f"toe ({toe[0]:.10g}, {toe[1]:.10g}) m, crest ({crest[0]:.10g}, {crest[1]:.10g}) m, {steep}"))
-    lines += equilibrium_rows(checked.equilibrium)
+    lines += equilibrium_rows(checked.limits)
     for name, particle in checked.probes.items():
         x, y = geometry.in_survey(float(particles.x[particle]), float(particles.y[particle]))
         lines.append((f"probe {name}", f"({x:.10g}, {y:.10g}) m"))
@@ -333,12 +336,9 @@ def motion_rows(scenes: Sequence[Scene], of: str) -> list[tuple[str, str]]:
     return [(f"motion{of}", shaking), (f"PGA{of}", " to ".join(map(peak_accelerations, scenes)))]
 
 
-def equilibrium_rows(equilibrium: LimitEquilibrium | None) -> list[tuple[str, str]]:
+def equilibrium_rows(numbers: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Label and text of the limits by limit equilibrium; none for a scene without a slope."""
-    if equilibrium is None:
-        return []
-    numbers = equilibrium_numbers(equilibrium)
-    return [("factor of safety", factor_words(numbers)), ("yield acceleration", yield_words(numbers))]
+    return [("factor of safety", factor_words(numbers)), ("yield acceleration", yield_words(numbers))] if numbers else []
 
 
 LAYER_COLUMNS = ("layer", "particles", "across", "V_s (m/s)", "λ (m)", "λ/spacing", "λ/h")

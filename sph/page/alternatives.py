@@ -42,7 +42,12 @@ def slices_of(table: pd.DataFrame, rows: Sequence[Row]) -> Slices:
         if row.finding.code == "limit-equilibrium" and row.worst_run in table.index:
             bishop = f"{of['bishop']:.2f}" if "bishop" in of else NOTHING
             critical = in_both(of["critical"]) if "critical" in of else in_both(0.0) if of["spencer"] <= 1.0 else NOTHING
-            found.setdefault(str(table.loc[row.worst_run, ALTERNATIVE]), (f"{bishop}, {of['spencer']:.2f}", critical))
+            within = (
+                f"; within {of['cover']} {of['cover_spencer']:.2f}" if "cover_spencer" in of else "",
+                f"; within {of['cover']} {in_both(of['cover_critical'])}" if "cover_critical" in of else "",
+            )
+            words = f"{bishop}, {of['spencer']:.2f}{within[0]}", f"{critical}{within[1]}"
+            found.setdefault(str(table.loc[row.worst_run, ALTERNATIVE]), words)
     return found
 
 

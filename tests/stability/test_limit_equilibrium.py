@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 from scipy.optimize import brute
 
-from sph.checks.equilibrium import factor_below_1, found_equilibrium, of_equilibrium, of_residual, runs_away, slip_at_base
+from sph.checks.equilibrium import (
+    equilibrium_numbers,
+    factor_below_1,
+    found_equilibrium,
+    of_equilibrium,
+    of_residual,
+    runs_away,
+    slip_at_base,
+    within_cover,
+)
 from sph.checks.finding import Finding, finding
 from sph.checks.messages import line, sentence, words
 from sph.command.check import check, equilibrium_rows
@@ -253,6 +262,24 @@ def test_a_weak_cover_does_not_yield_in_shaking_in_which_it_stands() -> None:
     assert limit_equilibrium(scene, critical.value).spencer.value == pytest.approx(1.0, rel=0.005)
 
 
+def test_the_limits_of_a_cover_stand_beside_those_of_the_hill() -> None:
+    """A nailed cover has limits of its own, which those of the rock below do not show."""
+    rock = {"region": {"kind": "depth", "top": 3.0}, "soil": soil(60.0, 36.0, 18.0)}
+    water = {"pressure": "carried", "points": [[x, y - 6.0] for x, y in HILLSIDE]}
+    plain, nailed = (ground(HILLSIDE, 25.1, soil(cohesion, 35.0, 14.0), layers={"rock": rock}, water=water) for cohesion in (9.0, 20.0))
+    limits = [equilibrium_numbers(limit_equilibrium(each)) | within_cover(each, limit_equilibrium(each)) for each in (plain, nailed)]
+    assert all(each["spencer_depth"] > 20.0 and each["cover"] == "soil" for each in limits), "deep in the rock"
+    # Of an endless incline as steep as the face above the bench; its toe on the bench and its head hold more.
+    beta = math.atan((71.2 - 58.0) / (120.0 - 97.0))
+    endless = (9.0 / (14.0 * 3.0 * math.cos(beta) ** 2) + math.tan(math.radians(35.0))) / math.tan(beta)
+    assert endless < limits[0]["cover_spencer"] < 1.2 * endless
+    assert limits[1]["spencer"] == pytest.approx(limits[0]["spencer"], rel=0.02)
+    assert limits[1]["cover_spencer"] > 1.3 * limits[0]["cover_spencer"] and limits[1]["cover_critical"] > 1.5 * limits[0]["cover_critical"]
+    assert ("; within soil 2.0" in equilibrium_rows(limits[0])[0][1]) and "; within soil 4." in equilibrium_rows(limits[0])[1][1]
+    shallow = ground(HILLSIDE, 25.1, soil(9.0, 35.0, 14.0), layers={"rock": rock})
+    assert within_cover(shallow, limit_equilibrium(shallow)) == {}, "the worst surface is in the cover"
+
+
 def test_a_dam_that_stands_yields_in_shaking_towards_its_toe() -> None:
     """Along the foundation of the upper dam there were roots at -0.56 and 0.08, under which no surface fails."""
     scene = load_scene("docs/gallery/upper_san_fernando.yaml")
@@ -272,7 +299,7 @@ def test_steep_cohesive_soil_gets_a_crack_and_says_so() -> None:
     found = limit_equilibrium(STEEP)
     assert 0.0 < found.spencer.crack <= 5.0 and found.spencer.value < found.bishop.value
     assert found.critical.crack > 0.0
-    ((_, factor), (_, yields)) = equilibrium_rows(limit_equilibrium(STEEP))
+    ((_, factor), (_, yields)) = equilibrium_rows(equilibrium_numbers(limit_equilibrium(STEEP)))
     assert "with a tension crack of" in factor and "with a tension crack of" in yields
     assert f", {found.spencer.depth:.2g} m deep, with" in factor and f", {found.critical.depth:.2g} m deep, with" in yields
     deepest = (STEEP.geometry.ground(found.spencer.x) - found.spencer.y).max()
@@ -439,7 +466,7 @@ def test_what_is_no_slope_of_solid_soil_is_refused_and_has_no_rows() -> None:
     column = make_scene(
         {"name": "column", "scheme": "paper", "duration": 3.0, "geometry": {"shape": "block", "width": 30.0, "height": 20.0}}
     )
-    assert not applies(column) and found_equilibrium(column) is None and equilibrium_rows(None) == [] and of_equilibrium(column) == []
+    assert not applies(column) and found_equilibrium(column) is None and equilibrium_rows({}) == [] and of_equilibrium(column) == []
     with pytest.raises(ValueError, match=r"column: limit equilibrium needs geometry\.shape: slope or ground_line"):
         limit_equilibrium(column)
     fluid = merge(slope(30.0, 20.0, 20.0).model_dump(), {"coupling": {"initial_state": "fluid"}})
