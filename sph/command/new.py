@@ -83,7 +83,7 @@ FILL = {
 RATIOS, FACTORS = ("0.3", "0.5", "0.7"), (0.5, 1.0, 1.5)
 """S_R, and amplitude over the record's peak, that a study varies where neither was typed."""
 WIDTH = 0.22
-"""Over which failure begins, over the slope's height: three spacings even for a first look."""
+"""Over which failure begins, over the slope's height, and at most the thickness of a cover: three spacings even for a first look."""
 DEPTH, BEHIND, AHEAD = 0.4, 3.0, 2.0
 """Soil below the lowest ground, level ground behind the crest of a plain slope and at least before its toe, over the slope's height."""
 START, AFTER = 3.0, 5.0
@@ -400,7 +400,8 @@ def _grid(known: Known, peak: float) -> Iterator[str]:
 def _softening(known: Known, section: _Section) -> dict[str, float | str]:
     """Loss of strength with slip as a scene has it."""
     slips: Mapping[str, float | str] = known.softening or {"slip_at_peak": 1.0e-3, "slip_at_residual": 0.1}
-    return {**slips, "width": known.softening.get("width", to_digits(WIDTH * section.height, 2))}
+    width = min(WIDTH * section.height, known.cover or math.inf)  # above the ground there is nothing to average over
+    return {**slips, "width": known.softening.get("width", to_digits(width, 2))}
 
 
 def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, str]]:

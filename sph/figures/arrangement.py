@@ -161,13 +161,21 @@ def failed_soil(run: Run) -> tuple[np.ndarray, np.ndarray]:
     return failed & moved, failed & ~moved
 
 
-def stays_words(run: Run) -> str:
-    """How much of the layers has failed and stays, in a sentence, where it is more than ``TOLD`` of one; nothing where there is none."""
-    _, stays = failed_soil(run)
+def failed_words(run: Run) -> str:
+    """How much of the layers moves away, and how much has failed and stays, where it is more than ``TOLD`` of one, in sentences; nothing
+    where there is none."""
+    slides, stays = failed_soil(run)
     layers = {name: run.soil & (run["layer"] == number) for number, name in enumerate(run.scene.soil_names)}
+    moves = [
+        f"{float(f'{area:.2g}'):g} m² of the {name.replace('_', ' ')}"
+        for name, layer in layers.items()
+        if (area := float((slides & layer).sum()) * run.scene.numerics.spacing**2) > 0.0
+    ]
     shares = {name: float(stays[layer].mean()) for name, layer in layers.items() if layer.any()}
     told = [f"{100.0 * share:.0f} % of the {name.replace('_', ' ')}" for name, share in shares.items() if share > TOLD]
-    return f"Has reached its strength, but moved by less than {MOVED:g} m: {', '.join(told)}." if told else ""
+    said = [f"Has failed and moved by more than {MOVED:g} m: {', '.join(moves)}."] if moves else []
+    said += [f"Has reached its strength, but moved by less: {', '.join(told)}."] if told else []
+    return " ".join(said)
 
 
 def draw_failed(ax: Axes, run: Run) -> list[Artist]:

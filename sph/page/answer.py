@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import BRAKED, LATE, at_least, has_thin_debris, held, is_at_least, is_bounded, is_open, near_miss
+from sph.checks.after_run import BRAKED, LATE, at_least, has_thin_debris, held, is_at_least, is_bounded, is_braked, is_open, near_miss
 from sph.checks.cover_rows import SCATTER
 from sph.checks.messages import Severity, block_words, braked_words, factor_words, listed, sentence, surer, yield_words
 from sph.experiments.variants.advice import expected_words
@@ -372,10 +372,9 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
         table["reached_side"].map(is_bounded).sum(),
         "have debris that reached the end of the box or went over it: displacement and run-out are lower bounds; lengthen the apron.",
     )
-    say(
-        held(table).sum(),
-        "have weak soil that is braked: displacement and run-out are lower bounds, and the slope may fail at less.",
-    )
+    braked = table["findings"].map(is_braked)
+    say(braked.sum(), "have weak soil that is braked: displacement and run-out are lower bounds, and the slope may fail at less.")
+    say((held(table) & ~braked).sum(), "stand with few rows of particles in weak soil, with which it fails too late: they may fail.")
     say(
         has_thin_debris(table).sum(),
         "have debris of few particles' thickness in front of the toe: their run-out is not reliable, or known to some "

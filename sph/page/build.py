@@ -23,7 +23,7 @@ from sph.checks.after_run import is_bounded
 from sph.checks.equilibrium import found_equilibrium
 from sph.experiments.variants.second_spacing import read_spacing
 from sph.figures import caption as caption_of
-from sph.figures.arrangement import stays_words
+from sph.figures.arrangement import failed_words
 from sph.figures.before_after import NARROW, WIDE, figure_before_after
 from sph.figures.style import DPI, NOTHING, WIDTH
 from sph.measures.metrics import CLASSES, MetricSettings, class_words
@@ -306,9 +306,9 @@ def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) ->
     """The slope before and after a run, ``beside`` the matrix of all runs, and the same for a phone."""
     run, tall = study.read(study.runs[name]), beside is not None and beside.lines > TALL
     equilibrium = found_equilibrium(run.scene)
-    stays = stays_words(run)
+    failed = failed_words(run)
     drawing = Drawing("Before and after", caption_of(figure_before_after))
-    said = "The run that goes farthest." + f" {stays}" * bool(stays)
+    said = "The run that goes farthest." + f" {failed}" * bool(failed)
     pictures = []
     for width in (NARROW, WIDTH if beside is not None and beside.wide else WIDE):
         drawn = io.BytesIO()

@@ -111,8 +111,8 @@ def search_spacings(scene: Scene) -> tuple[float, float]:
     spacings = coarse, unbroken(scene, min(quick[1], coarse / UNASKED_RATIO))
     if spacings != quick and (times := _seconds(scene, QUICK_TRIALS, spacings) / _seconds(scene, QUICK_TRIALS, quick)) > DEARER:
         raise ValueError(
-            f"numerics.spacing: with {quick[0]:.3g} and {quick[1]:.3g} m a layer would be broken, or weak soil have fewer than "
-            f"{COVER_ROWS} rows of particles; a search with {spacings[0]:.3g} and {spacings[1]:.3g} m takes {times:.2g} times as long"
+            f"numerics.spacing: a search that gives thin soil its rows of particles, with {spacings[0]:.3g} and {spacings[1]:.3g} m, takes "
+            f"{times:.2g} times as long as one with {quick[0]:.3g} and {quick[1]:.3g} m, at most {DEARER:g}"
         )
     return spacings
 

@@ -76,6 +76,8 @@ def test_a_cover_has_the_rows_that_its_run_out_needs(tmp_path: Path, monkeypatch
     checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
     found = {each["code"] for each in json.loads(checked.stdout)["findings"] if each["severity"] != "note"}
     assert found == {"soil-not-replaced", "cover-late"}, "fifteen rows would take some fifty times as long"
+    assert scene.coupling.softening is not None and scene.coupling.softening.width == 2.0, "no soil beside it softens with it"
+    assert scene.coupling.softening.width >= 3.0 * coarse.numerics.spacing
     thick = load_scene(written(Path("thick"), cover=6.0).scene)
     assert thick.geometry.slope_height / thick.numerics.spacing == pytest.approx(20, 1e-5)  # type: ignore[union-attr]
 

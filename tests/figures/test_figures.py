@@ -32,7 +32,7 @@ from sph.figures import (
     plot_trajectory,
     save,
 )
-from sph.figures.arrangement import motion_name, stays_words
+from sph.figures.arrangement import failed_words, motion_name
 from sph.figures.before_after import figure_before_after
 from sph.figures.labels import NAME
 from sph.figures.profile import field_norm, layer_colours
@@ -591,9 +591,12 @@ def test_soil_that_has_failed_but_hardly_moved_is_drawn_apart() -> None:
     assert [first.get_offsets().shape[0], second.get_offsets().shape[0]] == [moved.sum(), (~moved).sum()]
     words = [text.get_text() for text in figure_before_after(everywhere, "one").legends[0].get_texts()]
     assert "SPH: failed, and moved by more than 0.5 m" in words and "SPH (dots): reached its strength, moved less" in words
-    assert (
-        stays_words(everywhere) == f"Has reached its strength, but moved by less than 0.5 m: {100.0 * (~moved).mean():.0f} % of the soil."
+    area = float(f"{moved.sum() * slid.scene.numerics.spacing**2:.2g}")
+    assert failed_words(everywhere) == (
+        f"Has failed and moved by more than 0.5 m: {area:g} m² of the soil. "
+        f"Has reached its strength, but moved by less: {100.0 * (~moved).mean():.0f} % of the soil."
     )
+    assert failed_words(slid) == "", "nothing has failed"
 
 
 def test_curves_survive_print() -> None:

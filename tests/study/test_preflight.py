@@ -478,7 +478,7 @@ def test_the_quick_searches_break_no_layer_that_is_whole(monkeypatch: pytest.Mon
     monkeypatch.setattr("sph.study.preflight.DEARER", 1.1)
     told = [row.finding for row in of_study({"one": seam}, said.append) if row.finding.code == "stability-unknown"]
     assert [each.subject for each in told] == list(QUESTIONS) and not searched and search_seconds(seam, (9, 6)) == 0.0
-    assert "a layer would be broken" in words(told[0]).measured and "1.2 times as long" in words(told[0]).measured
+    assert "gives thin soil its rows of particles" in words(told[0]).measured and "1.2 times as long" in words(told[0]).measured
 
 
 def test_the_quick_searches_give_a_cover_three_rows() -> None:
