@@ -20,6 +20,8 @@ from sph.scene.strict_json import to_json
 
 SOIL = {"cohesion": "kPa", "friction_angle": "degree", "residual_cohesion": "kPa", "residual_friction_angle": "degree"}
 """Keys of the soil that are fitted, and their units."""
+STEEPEST = next(each.le for each in Soil.model_fields["friction_angle"].metadata if hasattr(each, "le"))
+"""Largest friction angle of a scene, degrees."""
 
 
 def fit_shear(paths: Sequence[Path], normal: Sequence[float] | None, height: float | None, out: Path | None, as_json: bool) -> str:
@@ -42,6 +44,13 @@ def fit_shear(paths: Sequence[Path], normal: Sequence[float] | None, height: flo
         )
     losses = sorted((fit_loss(tests, shape) for shape in CURVES), key=lambda each: each.misfit)
     strengths = None if without else [strength(normals(tests), stresses) for stresses in both(tests)]
+    if strengths is not None and one_normal_stress(tests) and (steepest := strengths[0].friction_angle.value) > STEEPEST:
+        raise ValueError(
+            f"{tests[0].name}: peak: without cohesion, which one normal stress does not give, {tests[0].peak:.4g} kPa under "
+            f"{normals(tests)[0]:.4g} kPa are a friction angle of {steepest:.3g} degrees, at most {STEEPEST:g} in a scene; add tests at "
+            "other normal stresses, or leave the normal stress out (no column, no --normal-stress) for the slips and the residual over "
+            "peak strength"
+        )
     made = keys(tests, strengths, losses[0])
     width = None if height is None else float(f"{WIDTH * height:.2g}")
     check(made, width)
@@ -63,6 +72,11 @@ def fit_shear(paths: Sequence[Path], normal: Sequence[float] | None, height: flo
 def normals(tests: Sequence[ShearTest]) -> list[float]:
     """Normal stresses, kPa."""
     return [test.normal for test in tests if test.normal is not None]
+
+
+def one_normal_stress(tests: Sequence[ShearTest]) -> bool:
+    """Whether all tests have the same normal stress."""
+    return all(test.normal is not None for test in tests) and bool(np.ptp(normals(tests)) <= SAME * max(normals(tests)))
 
 
 def both(tests: Sequence[ShearTest]) -> tuple[list[float], list[float]]:
@@ -107,7 +121,7 @@ def notes(tests: Sequence[ShearTest], losses: Sequence[Loss]) -> list[str]:
         for test in tests
         if test.falling > STEADY
     ]
-    if all(test.normal is not None for test in tests) and np.ptp(normals(tests)) <= SAME * max(normals(tests)):
+    if one_normal_stress(tests):
         told.append("one normal stress gives no cohesion: it is taken as 0, and the friction angles hold near that normal stress alone")
     if losses[0].misfit > 0.1 * np.mean([test.peak - test.residual for test in tests]):
         told.append(f"neither shape fits well: {losses[0].misfit:.3g} kPa is more than a tenth of the strength that is lost; see --plot")

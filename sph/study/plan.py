@@ -254,7 +254,9 @@ class Plan:
             at = next((each.said(point[AMPLITUDE]) for each in self.drawn_dimensions if each.name == AMPLITUDE), "")
             words, size = f"the {len(self.study.strongest_runs):,} runs with the strongest shaking, {at}", len(self.study.strongest_runs)
         if len(groups) > 1 and any(len(group) > 1 for group in groups):
-            rule = f": of each alternative first the one in which {self.study.metrics.probe} moves farthest"
+            level = "" if self._all_strongest or AMPLITUDE not in self.study.names else " in the strongest shaking"
+            each = "of each alternative " * (ALTERNATIVE in self.study.names)
+            rule = f": {each}first the one in which {self.study.metrics.probe} moves farthest{level}"
         elif groups:
             rule = ": evenly through the study"
         files = [[self.shared.runs[name].file for name in group] for group in groups]

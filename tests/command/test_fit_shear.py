@@ -202,3 +202,12 @@ def test_options_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     ):
         shown = call("fit-shear", *files, *options)
         assert shown.exit_code == REFUSED and wanted in shown.stderr, shown.output
+
+
+def test_a_steep_angle_from_one_normal_stress_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    """Under little stress the cohesion is most of the strength, and no one test tells it from friction."""
+    path = write(tmp_path / "a.csv", readings(10.0))
+    told = call("fit-shear", path, "--normal-stress", "10")
+    assert told.exit_code == REFUSED and "a friction angle of 60.6 degrees, at most 50 in a scene; add tests" in told.stderr
+    without = call("fit-shear", path)
+    assert without.exit_code == 0 and "S_R:" in without.stdout, "the remedy that it names"

@@ -346,6 +346,12 @@ def test_the_figure_of_profiles_says_which_of_how_many_runs_it_shows() -> None:
     assert some["of"] + some["rule"] == (
         "the 6 runs with the strongest shaking, amplitude 9 m/s² (0.917 g): of each alternative first the one in which A moves farthest"
     )
+    one = {"drained": {"soil": {"cohesion": 60}}}
+    with_weaker = plan({"claims": None, "grid": {"S_R": [0.1], "amplitude": [1, 5, 9], "gamma": [1]}, "alternatives": one}).profile_choice
+    assert not with_weaker["rule"].endswith("in the strongest shaking"), "one run each, evenly"
+    both = plan({"claims": None, "grid": {"S_R": [0.1, 0.2], "amplitude": [1, 9], "gamma": [1]}}).profile_choice
+    assert [len(group) for group in both["groups"]] == [2, 1, 1]
+    assert both["of"] + both["rule"] == "4 runs: first the one in which A moves farthest in the strongest shaking"
     names = [name for name, *_ in some["groups"]]
     moved = dict(zip([path for group in some["groups"] for path in group], [3.0, 4.0, 2.0, 1.0, 5.0, 0.5], strict=True))
     (base, other), (first, _), (last, _) = some["groups"]
