@@ -153,7 +153,7 @@ def new(
         typer.Option(
             metavar="NAME=VALUE,...",
             help="measures to compare: drained, by the depth of the lowered water table, or by how much the line of "
-            "--water is lowered (m); berm, by its height (m)",
+            "--water is lowered (m); berm, by its height (m); reinforced, by the cohesion that roots or nails add (kPa)",
         ),
     ] = None,
     softening: Annotated[

@@ -28,8 +28,8 @@ EXAMPLES = {
     "--soil": AS_SOIL,
     "--below": AS_SOIL,
     "--softening": "as slip_at_peak=0.003,slip_at_residual=0.07,shape=exponential, slips in m as sph fit-shear prints them",
-    "--alternative": "as drained=4,berm=3: the depth of the lowered water table, or by how much its line is lowered, and the height "
-    "of the berm, m",
+    "--alternative": "as drained=4,berm=3,reinforced=10: the depth of the lowered water table, or by how much its line is lowered, and the "
+    "height of the berm, m; the cohesion that roots or nails add, kPa",
 }
 """What options with names and numbers are to look like."""
 PLACEHOLDERS = {"shear_wave_speed" if name == "s_wave_speed" else name: value for name, value in PLACEHOLDER_SOIL.items()}
@@ -61,7 +61,8 @@ class Known(NamedTuple):
     below: Mapping[str, float] = {}  # the same of the ground below the cover
     water: float | Path | None = None  # depth below the ground, m, or the file of a line
     places: Mapping[str, float | str] = {}  # x, m, or a distance beyond the toe
-    alternatives: Mapping[str, float] = {}  # drained: depth of the water, m, or by how much a line is lowered; berm: its height, m
+    alternatives: Mapping[str, float] = {}
+    """drained: depth of the water, m, or by how much a line is lowered; berm: its height, m; reinforced: cohesion, kPa"""
     softening: Mapping[str, float | str] = {}  # loss of strength with slip, by the keys of a scene
 
     @property
@@ -162,7 +163,7 @@ def refused(known: Known) -> Iterator[str]:
     for option, names, known_names in (
         ("--soil", known.soil, (UNIT_WEIGHT, *SOIL[1:])),
         ("--below", known.below, (UNIT_WEIGHT, *SOIL[1:])),
-        ("--alternative", known.alternatives, ("drained", "berm")),
+        ("--alternative", known.alternatives, ("drained", "berm", "reinforced")),
     ):
         try:
             check_known(option, names, known_names)
@@ -197,6 +198,9 @@ def refused(known: Known) -> Iterator[str]:
             else f"deeper below the ground than --water, {wet:g} m; it is the depth of the lowered water table"
         )
         yield f"--alternative drained={lowered:g}: must be {must}"
+    added = known.alternatives.get("reinforced", 1.0)
+    if not 0.0 < added < math.inf:
+        yield f"--alternative reinforced={added:g}: must be above 0 kPa; it is the cohesion that roots or nails add"
     for record in known.records:
         try:
             if len(known.records) > 1:

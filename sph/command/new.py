@@ -19,6 +19,7 @@ from sph.checks.layers import MIN_IN_LAYER, broken, of_cover
 from sph.checks.messages import sentence
 from sph.checks.scene import HOLDS, PLACEHOLDER, room_ahead, to_side
 from sph.command.known import (
+    RESIDUAL,
     Known,
     read_depth,
     read_numbers,
@@ -92,6 +93,8 @@ a point that slides from the crest of a slope of 15° to rest needs 4.8 with a f
 sooner where all soil has come to rest."""
 LOWERED, BERM = 0.3, 0.2
 """By how much the water line of a file is lowered once drained, and height of a berm, that are suggested, over the slope's height."""
+REINFORCED = 5.0
+"""Cohesion that roots or nails add, which is suggested, kPa."""
 SPRING = 0.1
 """Frequency of the spring of the base, Hz: a tenth of that of most motions, to whose traction it then adds 0.5 %."""
 MAX_TITLE = 100
@@ -444,6 +447,8 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
             f"of compacted gravel: {_flow(known.of_layer(FILL))[1:-1]}; its side 1 in {BERM_SIDE:g}; {high[0]:.2g} rows of particles high, "
             f"{high[1]:.2g} at the fidelity coarse, its ends thinner{few}"
         )
+    if "reinforced" in known.alternatives:
+        assumed["alternatives.reinforced"] = "roots or nails add as much cohesion to soil that has failed, and reach as deep as the slide"
     assumed["walls.bedrock"] = "each record is the outcrop motion of bedrock like the lowest soil"
     assumed["motion.factor"] = "each record is run in both directions"
     assumed["soil.K0"] = f"{rest:.2f} by Poisson's ratio, where 1 - sin(phi) is {jaky:.2f}"
@@ -509,6 +514,10 @@ def _alternatives(known: Known, section: _Section, folder: Path) -> Iterator[str
             "    layers:",
             f"      berm: {{region: {{kind: polygon, file: {path('berm_fill')}}}, soil: {_flow(known.of_layer(FILL))}}} # ASSUMED",
         ]
+    added, soil = known.alternatives.get("reinforced", REINFORCED), known.whole_soil
+    held = {key: soil[key] + added for key in ("cohesion", f"{RESIDUAL}cohesion") if key in soil}
+    kept = "" if known.has_residual else ", of which failed soil keeps S_R"
+    blocks["reinforced"] = [f"  reinforced: {{soil: {_flow(known.of_layer(held))}}} # {added:g} kPa more, as by roots or nails{kept}"]
     yield "alternatives:" if known.alternatives else "# alternatives:"
     for name, block in blocks.items():
         yield from (each if name in known.alternatives else f"# {each}" for each in block)

@@ -317,7 +317,7 @@ def test_the_loss_of_strength_may_be_typed() -> None:
 @pytest.mark.usefixtures("records")
 def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
     """All that was typed is in it, nothing of it is assumed, and its checks have nothing against it."""
-    told = CliRunner().invoke(app, ["new", *KNOWN, "--alternative", "drained=5,berm=5", "--out", "own"])
+    told = CliRunner().invoke(app, ["new", *KNOWN, "--alternative", "drained=5,berm=5,reinforced=10", "--out", "own"])
     assert told.exit_code == 0, told.output
     scene, plan = load_scene("own/scene.yaml"), load_study(Path("own/study.yaml"))
     geometry = scene.geometry
@@ -333,8 +333,11 @@ def test_what_an_engineer_knows_makes_a_study_that_is_ready_to_run() -> None:
         "amplitude": ("3.4335",),
         "motion.file": ("A.csv", "B.csv"),
         "motion.factor": ("-1", "1"),
-        "alternative": ("base", "drained", "berm"),
+        "alternative": ("base", "drained", "berm", "reinforced"),
     }
+    nailed = plan.built(**next(each for each in plan.study.runs.values() if each["alternative"] == "reinforced"))
+    assert (nailed.soil.cohesion, nailed.soil.residual_cohesion) == (16.0, 10.0), "nails hold soil that has failed, too"
+    assert nailed.soils[1] == scene.soils[1] and "alternatives.reinforced" in plan.study.assumed
     assert plan.study.metrics.places == {"path": 8.0, "house": 40.0} and plan.study.second_fidelity == "coarse"
     lines = [line for line in told.stdout.splitlines() if line.startswith("assumed: ")]
     text = Path("own/scene.yaml").read_text()
@@ -376,7 +379,7 @@ def test_alternatives_that_nobody_named_are_ready_to_be_added() -> None:
     begin = text.index("# alternatives:")
     study.write_text(text[:begin] + text[begin:].replace("# ", "", 1).replace("\n# ", "\n"))
     plan = load_study(study)
-    assert set(plan.study.alternatives) == {"drained", "berm"} and len(plan.study.runs) == 12
+    assert set(plan.study.alternatives) == {"drained", "berm", "reinforced"} and len(plan.study.runs) == 16
 
 
 @pytest.mark.usefixtures("records")
@@ -393,6 +396,7 @@ def test_what_cannot_be_meant_is_refused_by_its_option() -> None:
         (["--place", "house=400,house=30"], "house is given twice"),
         (["--place", "house=-200"], "must lie within the model"),
         (["--below", "strength=3"], "--below: 'strength' is not"),
+        (["--alternative", "reinforced=0"], "--alternative reinforced=0: must be above 0 kPa"),
         (["--below", "residual_cohesion=3"], "--below residual_cohesion: give residual_cohesion"),
         (["--below", "unit_weight=3"], "--below unit_weight=3: must be from 10 to 30"),
         (["--scale-to", "0.35g,0.4"], "has no unit; write 0.4g or 0.4 m/s2"),
