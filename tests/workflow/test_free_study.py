@@ -14,6 +14,7 @@ import pytest
 import yaml
 from test_workflow import planned_jobs, said, snakemake, sph
 
+from sph.experiments.variants.second_spacing import DECIDING, read_deciding, read_spacing
 from sph.measures.metrics import measure
 from sph.scene.schema import Scene
 from sph.storage import trajectory
@@ -187,3 +188,31 @@ def test_what_needs_the_papers_dimensions_is_refused_with_the_reason(finished: P
     result = snakemake(finished, "--cores", "1", *configured(finished, GRID), "--", target)
     assert result.returncode != 0
     assert "need a grid over exactly S_R, gamma, amplitude; study 'grid' varies" in result.stdout + result.stderr
+
+
+def test_the_draft_repeats_the_runs_that_decide_with_finer_particles(finished: Path, tmp_path: Path) -> None:
+    """Which these are is known when its table is there; the whole study later has them already."""
+    shutil.copy(finished / "slope.yaml", tmp_path)
+    fidelities = {"draft": {}, "fine": {"numerics": {"spacing": 2.0}}}
+    grid = {"amplitude": ["0.5", "6.0", "9.0"], "soil.cohesion": ["150"]}
+    levels = {"study": "levels", "searches": "none", "grid": grid, "second_fidelity": "draft", "fidelities": fidelities}
+    config = configured(tmp_path, levels)
+    result = snakemake(tmp_path, "--cores", "2", *config)
+    assert result.returncode == 0, result.stderr
+    assert planned_jobs(tmp_path, *config) == {}
+    folder = of(tmp_path, "levels")
+    table = read_table(folder / "study.csv", load_study(BASE | levels, [tmp_path]).layout)
+    failing = table.loc[table["collapse_class"] != "stable", "amplitude"].tolist()
+    assert 0 < len(failing) < 3, "some stand, some fail"
+    deciding = sorted(float(name.split("_")[0].removeprefix("amplitude-")) for name in read_deciding(folder / DECIDING))
+    assert deciding == sorted(map(float, [*failing[:2], *table.loc[table["collapse_class"] == "stable", "amplitude"].tolist()[-1:]]))
+    spacing = read_spacing(folder / "spacing.csv")
+    assert set(spacing["second_spacing"]) == {2.0} and set(spacing["run"]) == set(read_deciding(folder / DECIDING))
+    made = {path.stem for path in (folder.parent / "fine" / "runs").glob("*.nc")}
+    assert made == set(spacing["run"])
+    assert "runs of fidelity fine" in said("status", folder, "--configfile", config[1])
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    agree = (spacing["collapse_class"] == "stable") == (spacing["second_class"] == "stable")
+    assert ("with particles of 2.5 m and of 2 m" if agree.all() else "it depends on the spacing: A moves") in page
+    whole = planned_jobs(tmp_path, *config, "--config", "fidelity=fine")
+    assert whole.get("simulate", 0) + whole.get("draft", 0) == 3 - len(made), "the draft's runs are done, too"
