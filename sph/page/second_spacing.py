@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
+from sph.checks.messages import listed
 from sph.experiments.variants.second_spacing import CONVERGED, LENGTHS, NOT_CONVERGED
 from sph.figures.style import metres
 from sph.measures.metrics import CLASSES, STABLE, UNDETERMINED
@@ -92,13 +93,16 @@ def drifts(again: pd.DataFrame | None, probe: str, points: Mapping[str, str]) ->
         towards = "" if math.isnan(worst["extrapolated"]) else f"; extrapolated to spacing 0: {metres(worst['extrapolated'])} m"
         count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
         found.append(f"Not converged: {what} in {len(of)} of {count} runs, most at {worst['run']}: {said}{towards}.")
+    unsure = dict[tuple[str, ...], list[str]]()
     for place in places_in(rows["quantity"].unique()):
         past = rows[rows["quantity"] == column_of(place, PASSED)]
         known = [(run, values) for run, *values in past[["run", "value", "second_value"]].itertuples(index=False)]
-        open_runs = [run for run, values in known if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1]
-        if open_runs:
-            found.append(
-                f"Not converged: whether debris reaches {place} depends on the spacing at {'; '.join(open_runs[:3])}"
-                f"{f' and {len(open_runs) - 3} more runs' if len(open_runs) > 3 else ''}."
-            )
+        open_runs = tuple(run for run, values in known if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1)
+        unsure.setdefault(open_runs, []).append(place)
+    found += [
+        f"Not converged: whether debris reaches {listed(places, 'or')} depends on the spacing at {'; '.join(runs[:3])}"
+        f"{f' and {len(runs) - 3} more runs' if len(runs) > 3 else ''}."
+        for runs, places in unsure.items()
+        if runs
+    ]
     return found

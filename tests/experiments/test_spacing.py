@@ -167,6 +167,10 @@ def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
     assert drifts(pd.DataFrame(past, columns=table.columns), "A", {"weak": "S_R 0.1"}) == [
         "Not converged: whether debris reaches road depends on the spacing at S_R 0.1."
     ]
+    both = [(*past[0][:3], f"{place}_passed", *past[0][4:]) for place in ("road", "house")]
+    assert drifts(pd.DataFrame(both, columns=table.columns), "A", {}) == [
+        "Not converged: whether debris reaches road or house depends on the spacing at weak."
+    ]
     short = run(9.0, 4.0), run(2.0, 3.0, "damaged")  # of two classes, and both short of the road
     past = [(name, "", "", "road_passed", *compared(own, second, "road_passed", (1.27, 1.9), 0.05)) for name, own, second in (
         ("short", *short), ("diverged", run(9.0, 4.0), run(math.nan, math.nan, UNDETERMINED)))]  # fmt: skip
