@@ -177,7 +177,10 @@ assumed:
 # the folder where you run the study:
 {alternatives}
 """
-COMPARED = "coarse # repeats every run with coarser particles, which adds 0.4 of the time: the page then shows the effect; null: no"
+COMPARED = (
+    "coarse # every run is repeated with coarser particles, which adds 0.4 of the time: the page shows the effect; null: no; a first look "
+    "at it\n# repeats at most three of its runs with those of own, which decide in what shaking the slope fails"
+)
 NOT_COMPARED = "null # coarser particles would not resolve the thin soil; add a fidelity with finer ones to see what they change"
 
 
