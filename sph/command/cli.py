@@ -128,7 +128,9 @@ def new(
     ] = None,
     below: Annotated[
         list[str] | None,
-        typer.Option(metavar="KEY=VALUE,...", help="soil below the cover, as --soil, with residual strengths; weathered rock where it is not given"),
+        typer.Option(
+            metavar="KEY=VALUE,...", help="soil below the cover, as --soil, with residual strengths; weathered rock where it is not given"
+        ),
     ] = None,
     water: Annotated[
         str | None, typer.Option(metavar="DEPTH", help="of the water table below the ground, m, or a file of its line")
