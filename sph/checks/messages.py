@@ -257,8 +257,13 @@ def braked_words(of: Finding) -> str:
 def factor_words(of: Numbers) -> str:
     """The factors of safety of both methods of limit equilibrium, and where the surfaces lie."""
     bishop = f"{of['bishop']:.2f} (circle)" if "bishop" in of else "not found"
-    within = f"; within {of['cover']} {of['cover_spencer']:.2f}" if "cover_spencer" in of else ""
-    return f"Bishop {bishop}, Spencer {of['spencer']:.2f} ({_surface(of, 'spencer')}{within})"
+    return f"Bishop {bishop}, Spencer {of['spencer']:.2f} ({_surface(of, 'spencer')}{within_words(of)[0]})"
+
+
+def within_words(of: Numbers) -> tuple[str, str]:
+    """The factor of safety and the yield acceleration by Spencer's method within a cover, where they are known."""
+    factor = f"; within {of['cover']} {of['cover_spencer']:.2f}" if "cover_spencer" in of else ""
+    return factor, f"; within {of['cover']} {in_both(of['cover_critical'])}" if "cover_critical" in of else ""
 
 
 def block_words(of: Numbers) -> str:
@@ -275,8 +280,7 @@ def yield_words(of: Numbers) -> str:
         return f"Spencer {in_both(0.0)}: the slope does not stand"
     if "critical" not in of:
         return "Spencer: not found"
-    within = f"; within {of['cover']} {in_both(of['cover_critical'])}" if "cover_critical" in of else ""
-    return f"Spencer {in_both(of['critical'])} ({_surface(of, 'critical')}{within})"
+    return f"Spencer {in_both(of['critical'])} ({_surface(of, 'critical')}{within_words(of)[1]})"
 
 
 def _reasons(of: Numbers) -> str:

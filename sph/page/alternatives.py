@@ -11,11 +11,11 @@ import pandas as pd
 
 from sph.checks.after_run import at_least, has_debris, in_motion, is_at_least, is_bounded, is_held, near_miss
 from sph.checks.finding import Finding
-from sph.checks.messages import listed
+from sph.checks.messages import listed, within_words
 from sph.figures.style import AT_LEAST, LEAST, NOTHING, metres
 from sph.measures.metrics import CLASSES
 from sph.measures.places import PASSED, REACHED, column_of, places_in
-from sph.page.second_spacing import WHERE_SPACING_DECIDES, differs
+from sph.page.second_spacing import differs, weakest_words
 from sph.page.tables import Table
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE, Dimension, title_of
@@ -42,10 +42,7 @@ def slices_of(table: pd.DataFrame, rows: Sequence[Row]) -> Slices:
         if row.finding.code == "limit-equilibrium" and row.worst_run in table.index:
             bishop = f"{of['bishop']:.2f}" if "bishop" in of else NOTHING
             critical = in_both(of["critical"]) if "critical" in of else in_both(0.0) if of["spencer"] <= 1.0 else NOTHING
-            within = (
-                f"; within {of['cover']} {of['cover_spencer']:.2f}" if "cover_spencer" in of else "",
-                f"; within {of['cover']} {in_both(of['cover_critical'])}" if "cover_critical" in of else "",
-            )
+            within = within_words(of)
             words = f"{bishop}, {of['spencer']:.2f}{within[0]}", f"{critical}{within[1]}"
             found.setdefault(str(table.loc[row.worst_run, ALTERNATIVE]), words)
     return found
@@ -285,10 +282,8 @@ def _fails_from(runs: pd.DataFrame) -> str:
     """The smallest amplitude of a run that fails."""
     if AMPLITUDE not in runs:
         return NOTHING
-    shaking, fails, unsure = runs[AMPLITUDE].astype(float), runs["collapse_class"] != CLASSES[0], differs(runs)
-    least, sure = shaking[fails | unsure].min(), shaking[fails & ~unsure].min()
-    said = [in_both(sure)] * (not math.isnan(sure)) + [in_both(least) + WHERE_SPACING_DECIDES] * bool(unsure.any() and not least >= sure)
-    return "; ".join(said) or f"not up to {in_both(shaking.max())}"
+    failing = runs[(runs["collapse_class"] != CLASSES[0]) | differs(runs)]
+    return weakest_words(failing) or f"not up to {in_both(runs[AMPLITUDE].astype(float).max())}"
 
 
 def _acceleration(runs: pd.DataFrame) -> str:

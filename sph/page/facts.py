@@ -150,8 +150,8 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension], missing: int = 0
     shaking, differ = table[AMPLITUDE].astype(float), differs(table)
     stands = (table["collapse_class"] == STABLE) & ~differ  # a run that diverged is not known to stand
     fails = table["collapse_class"].isin(CLASSES[1:]) & ~differ
-    if (again := second_class(table) != "").any():
-        fails &= again
+    both = fails & second_class(table).isin(CLASSES[1:])
+    fails = both if both.any() or differ.any() else fails  # where none was repeated, or all of those diverged, one spacing is all there is
     below, gone = shaking[shaking < shaking[~stands].min()].max(), shaking[fails].min()
     of = " in the weakest case" if len(dimensions) > 1 else ""
     if math.isnan(gone) and differ.any():

@@ -12,7 +12,7 @@ from sph.checks.after_run import has_debris, held, near_miss
 from sph.figures.style import LEAST, NOTHING, metres
 from sph.measures.metrics import AREA_THRESHOLDS
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
-from sph.page.second_spacing import WHERE_SPACING_DECIDES, differs
+from sph.page.second_spacing import WHERE_SPACING_DECIDES, differs, weakest_words
 from sph.page.tables import Table, filled, moves_on
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE
@@ -94,11 +94,7 @@ def _level(runs: pd.DataFrame) -> str:
 
 def _reached_from(runs: pd.DataFrame, place: str) -> str:
     """The least amplitude of a run whose debris reaches a place, and a lower one of runs of which the spacing decides if they stand."""
-    there = runs[runs[column_of(place, REACHED)] > 0.0]
-    shaking = there[AMPLITUDE].astype(float)
-    least, sure = shaking.min(), shaking[~differs(there)].min()
-    said = [in_both(sure)] * (not math.isnan(sure)) + [in_both(least) + WHERE_SPACING_DECIDES] * (len(there) > 0 and not least >= sure)
-    return "; ".join(said) or NOTHING
+    return weakest_words(runs[runs[column_of(place, REACHED)] > 0.0]) or NOTHING
 
 
 def _at(runs: pd.DataFrame, place: str, reached_from: str, contradicted: bool) -> Sequence[str]:

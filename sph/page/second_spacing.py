@@ -49,10 +49,18 @@ def differs(table: pd.DataFrame) -> pd.Series:
     return known & ((own == STABLE) != (again == STABLE)) | (again == OPEN)
 
 
+def weakest_words(runs: pd.DataFrame) -> str:
+    """The least amplitude of some runs, and a lower one of those of which the spacing decides if they stand; nothing of none."""
+    shaking = runs[AMPLITUDE].astype(float)
+    least, sure = shaking.min(), shaking[~differs(runs)].min()
+    said = [in_both(sure)] * (not math.isnan(sure)) + [in_both(least) + WHERE_SPACING_DECIDES] * (len(runs) > 0 and not least >= sure)
+    return "; ".join(said)
+
+
 def at_spacings(table: pd.DataFrame, again: pd.DataFrame | None, probe: str, spacing: float) -> str:
     """With what particles it was found in what shaking the slope fails, or, of the weakest shaking in which that depends on the spacing,
     what both say."""
-    if again is None or again.empty:
+    if again is None or (again[SECOND_CLASS] == UNDETERMINED).all():  # none, or all diverged
         return f"with particles of {spacing:.3g} m alone"
     differ = table[differs(table)]
     if differ.empty:

@@ -112,7 +112,7 @@ def search_spacings(scene: Scene) -> tuple[float, float]:
     if spacings != quick and (times := _seconds(scene, QUICK_TRIALS, spacings) / _seconds(scene, QUICK_TRIALS, quick)) > DEARER:
         raise ValueError(
             f"numerics.spacing: a search that gives thin soil its rows of particles, with {spacings[0]:.3g} and {spacings[1]:.3g} m, takes "
-            f"{times:.2g} times as long as one with {quick[0]:.3g} and {quick[1]:.3g} m, at most {DEARER:g}"
+            f"{times:.2g} times as long as one with {quick[0]:.3g} and {quick[1]:.3g} m; at most {DEARER:g} times are allowed"
         )
     return spacings
 

@@ -447,6 +447,8 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(finer, [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)"), "with other particles it fails at less"
     both = with_second_class(table, pd.DataFrame({"run": [1, 0], "second_class": ["collapse", "stable"]}), [])
     assert going(both, [cohesion, shaking]) == going(table, [cohesion, shaking])
+    lost = with_second_class(table, pd.DataFrame({"run": [1, 0], "second_class": [UNDETERMINED, "stable"]}), [])
+    assert going(lost, [cohesion, shaking]) == going(table, [cohesion, shaking]), "it diverged with other particles"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
     many = many.assign(
         displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="", at_rest=1, diverged=0
