@@ -17,11 +17,15 @@ Every function takes many surfaces at once: arrays have the shape (surfaces, sli
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+
+from sph.solver.compiled.jit import compile_lock, entry
 
 MAX_TENSION = 0.05
 """Share of a surface in tension above which Spencer's answer is not taken."""
@@ -169,53 +173,88 @@ def _in_tension(stress: np.ndarray, length: np.ndarray) -> np.ndarray:
 
 
 def _spencer(s: Slices, k: float | np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """F under a coefficient, or the critical coefficient if that is None, and the effective normal forces.
+    """F under a coefficient, or the critical coefficient if that is None, and the effective normal forces."""
+    critical = k is None
+    given = np.zeros(len(s.x)) + (0.0 if k is None else k)
+    value, sound, normal = _compiled()(Slices(*map(np.ascontiguousarray, s)), given, critical)
+    return np.where(sound, value if critical else 1.0 / value, np.inf), normal
+
+
+@cache
+def _compiled() -> Callable[[Slices, np.ndarray, bool], tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """``close_forces``, which a call with no surfaces compiles or loads."""
+    nothing = Slices._make(np.zeros((0, 0, 2) if name == "load" else (0, 0)) for name in Slices._fields)
+    with compile_lock(required=False):
+        close_forces(nothing, np.zeros(0), False)
+    return close_forces
+
+
+@entry
+def close_forces(s, k, critical):  # type: ignore[no-untyped-def]
+    """Newton's iteration of Spencer's method, a surface at a time: 1 / F under ``k``, or the critical coefficient, and theta.
 
     The net force of the neighbours on a slice is Q = (A - R / F) / (cos(alpha - theta) + sin(alpha - theta) tan(phi) / F), with the force A
-    along its base and its strength R without neighbours.  Newton's iteration closes the sums of Q and of its moments together, for theta
-    and for 1 / F or k, in which Q is nearly linear.  On a plane every theta gives the same value.
+    along its base and its strength R without neighbours.  The sums of Q and of its moments are closed together, for theta and for 1 / F or
+    k, in which Q is nearly linear.  On a plane every theta gives the same value.  Returns the values (surfaces,), whether they are sound,
+    and the effective normal forces (surfaces, slices), N/m.
     """
-    critical = k is None
-    cosine, sine, friction, length = np.cos(s.inclination), np.sin(s.inclination), s.friction, s.length
-    x, y = (each - each.mean(axis=1, keepdims=True) for each in (s.x, s.y))
-    by_k, moment_by_k = s.full_weight * (cosine + sine * friction), _sum(s.full_weight, s.centroid)
-    chord = np.arctan2((length * sine).sum(axis=1), s.width.sum(axis=1))
-    plane = np.abs(s.inclination - chord[:, None]).max(axis=1) <= FLAT
-    value, theta = np.zeros(len(x)), chord
-    for number in range(ROUNDS):
-        if critical or number == 0:
-            pushed = value if critical else np.full(len(x), k)
-            down, left = s.weight - s.load[..., 1], pushed[:, None] * s.full_weight - s.load[..., 0]
-            alone = down * cosine - left * sine - s.pressure * length
-            pull, hold = left * cosine + down * sine, s.cohesion * length + alone * friction
-            moment = pushed * moment_by_k - _sum(s.load[..., 0], s.height)
-        inverse = np.ones((len(x), 1)) if critical else value[:, None]
-        level, steep = np.cos(theta)[:, None], np.sin(theta)[:, None]
-        across, along = level * cosine + steep * sine, level * sine - steep * cosine
-        share = across + along * friction * inverse
-        q = (pull - hold * inverse) / share
-        q_value = (by_k if critical else -hold - q * along * friction) / share
-        q_theta = q * (across * friction * inverse - along) / share
-        arm, arm_theta = x * steep - y * level, x * level + y * steep
-        force, force_value, force_theta = q.sum(axis=1), q_value.sum(axis=1), q_theta.sum(axis=1)
-        rest, rest_theta = _sum(q, arm) - moment, _sum(q_theta, arm) + _sum(q, arm_theta)
-        rest_value = _sum(q_value, arm) - (moment_by_k if critical else 0.0)
-        turn = (force * rest_value - rest * force_value) / (force_value * rest_theta - force_theta * rest_value)
-        turn = np.where(plane, 0.0, np.clip(turn, -MAX_TURN, MAX_TURN))
-        change = -(force + force_theta * turn) / force_value
-        value, theta = value + change, theta + turn
-        open_by = np.maximum(np.abs(change) / np.maximum(np.abs(value), SMALLEST), np.abs(turn))
-        if not (open_by > NEAR).any():
-            break
-    normal = alone + q * along
-    # With forces that hold the upper slices up by pulling the lower ones down the two equations have a further root.  Where much is in
-    # tension no theta tells.
-    held = (theta >= 0.0) | (_sum(normal < 0.0, length) > MAX_TENSION * length.sum(axis=1))
-    sound = (open_by <= FOUND) & (share >= MIN_SHARE).all(axis=1) & held
-    if not critical:
-        sound &= (value > 0.0) & (pull.sum(axis=1) > 0.0)
-        value = 1.0 / value
-    return np.where(sound, value, np.inf), normal
+    surfaces, slices = s.x.shape
+    values, sound, normal = np.zeros(surfaces), np.zeros(surfaces, np.bool_), np.zeros((surfaces, slices))
+    cosines, sines = np.zeros(slices), np.zeros(slices)
+    for row in range(surfaces):
+        width = rise = moment_by_k = 0.0
+        for i in range(slices):
+            cosines[i], sines[i] = math.cos(s.inclination[row, i]), math.sin(s.inclination[row, i])
+            width += s.width[row, i]
+            rise += s.width[row, i] * sines[i] / cosines[i]
+            moment_by_k += s.full_weight[row, i] * s.centroid[row, i]
+        chord, bend = math.atan2(rise, width), 0.0
+        middle_x, middle_y = s.x[row].mean(), s.y[row].mean()
+        for i in range(slices):
+            bend = max(bend, abs(s.inclination[row, i] - chord))
+        value, theta, open_by, least, driven, length_all, length_torn = 0.0, chord, np.inf, np.inf, 0.0, 0.0, 0.0
+        for _ in range(ROUNDS):
+            pushed, inverse = (value, 1.0) if critical else (k[row], value)
+            level, steep = math.cos(theta), math.sin(theta)
+            force = force_value = force_theta = rest_theta = driven = length_all = length_torn = 0.0
+            rest, rest_value, least = -pushed * moment_by_k, -moment_by_k if critical else 0.0, np.inf
+            for i in range(slices):
+                cosine, sine, friction, length = cosines[i], sines[i], s.friction[row, i], s.width[row, i] / cosines[i]
+                down, left = s.weight[row, i] - s.load[row, i, 1], pushed * s.full_weight[row, i] - s.load[row, i, 0]
+                alone = down * cosine - left * sine - s.pressure[row, i] * length
+                pull, hold = left * cosine + down * sine, s.cohesion[row, i] * length + alone * friction
+                across, along = level * cosine + steep * sine, level * sine - steep * cosine
+                share = across + along * friction * inverse
+                q = (pull - hold * inverse) / share
+                by_k = s.full_weight[row, i] * (cosine + sine * friction)
+                q_value = (by_k if critical else -hold - q * along * friction) / share
+                q_theta = q * (across * friction * inverse - along) / share
+                x, y = s.x[row, i] - middle_x, s.y[row, i] - middle_y
+                arm, arm_theta = x * steep - y * level, x * level + y * steep
+                force += q
+                force_value += q_value
+                force_theta += q_theta
+                rest += q * arm + s.load[row, i, 0] * s.height[row, i]
+                rest_value += q_value * arm
+                rest_theta += q_theta * arm + q * arm_theta
+                driven += pull
+                length_all += length
+                normal[row, i] = alone + q * along
+                length_torn += length if normal[row, i] < 0.0 else 0.0
+                least = min(least, share)
+            turn = (force * rest_value - rest * force_value) / (force_value * rest_theta - force_theta * rest_value)
+            turn = 0.0 if bend <= FLAT else min(max(turn, -MAX_TURN), MAX_TURN)
+            change = -(force + force_theta * turn) / force_value
+            value, theta = value + change, theta + turn
+            open_by = max(abs(change) / max(abs(value), SMALLEST), abs(turn))
+            if not open_by > NEAR:
+                break
+        values[row] = value
+        # With forces that hold the upper slices up by pulling the lower ones down the two equations have a further root.  Where much is in
+        # tension no theta tells.
+        held = theta >= 0.0 or length_torn > MAX_TENSION * length_all
+        sound[row] = open_by <= FOUND and least >= MIN_SHARE and held and (critical or (value > 0.0 and driven > 0.0))
+    return values, sound, normal
 
 
 def _sum(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -42,21 +42,19 @@ SOURCES = ("scene", "solver", "storage/trajectory.py")
 """Folders and files of the package in which everything lies that decides the results of a run, given all keys of its scene."""
 FILLING = "scene/scheme.py"
 """Left out: the defaults that a scheme fills in decide no run whose scene is stored with all its keys."""
-COMPILED = tuple(
-    f"solver/{name}"
-    for name in (
-        "boundaries",
-        "compiled",
-        "cuda",
-        "integration.py",
-        "moves.py",
-        "neighbours.py",
-        "physics",
-        "renewal.py",
-        "state.py",
-        "terms.py",
-        "time_step.py",
-    )
+COMPILED = (
+    "solver/boundaries",
+    "solver/compiled",
+    "solver/cuda",
+    "solver/integration.py",
+    "solver/moves.py",
+    "solver/neighbours.py",
+    "solver/physics",
+    "solver/renewal.py",
+    "solver/state.py",
+    "solver/terms.py",
+    "solver/time_step.py",
+    "stability/limit_equilibrium.py",
 )
 """Where the text is that becomes machine code: jitted functions, and names that they use (a test holds the list against the sources)."""
 
