@@ -60,8 +60,8 @@ TOLD = 0.01
 """Share of a layer from which it is told that it fails and stays."""
 LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
-TWO_COLUMNS = 9.0
-"""Inches of a figure from which on that legend has two columns."""
+COLUMN, NAMES = 4.5, 3.0
+"""Inches of a column of it, and of one that only names soils."""
 NAMED = 0.12
 """Least part of the time axis of the gravity stage at which its name has room."""
 ASIDE, CLEAR = (0.04, 0.06, 0.08, 0.1, 0.12), 0.02
@@ -119,13 +119,13 @@ def layer_legend(
         )
         for n in (range(len(names)) if shown is None else shown)
     ]
-    columns = legend_columns(figure.get_figure(root=True).get_figwidth())
+    columns = legend_columns(figure.get_figure(root=True).get_figwidth(), named)
     figure.legend(handles=[*handles, *more], loc="outside upper left", fontsize=7.5, borderaxespad=0.0, ncols=columns, columnspacing=0.8)
 
 
-def legend_columns(width: float) -> int:
+def legend_columns(width: float, named: bool = False) -> int:
     """Columns of the legend of layers in a figure of a width in inches."""
-    return 2 if width >= TWO_COLUMNS else 1
+    return max(1, int(width / (NAMES if named else COLUMN)))
 
 
 def draw_layers(ax: Axes, scene: Scene) -> None:

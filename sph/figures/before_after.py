@@ -56,8 +56,8 @@ def figure_before_after(
     soil at the end of the run, coloured by its displacement since the gravity stage.  Rings are the particles that are followed, posts the
     places that debris may reach.
 
-    ``title`` names the run, ``places`` are as in ``metrics.places``, slip surfaces those of ``equilibrium``, ``width`` is in inches; a
-    narrow figure only names its soils.  Both stand side by side in a wide figure of a steep section, unless they are to be ``stacked``.
+    ``title`` names the run, ``places`` are as in ``metrics.places``, slip surfaces those of ``equilibrium``, ``width`` is in inches.  Both
+    stand side by side in a wide figure of a steep section, unless they are to be ``stacked``.
     """
     scene = run.scene
     left, right, lower, upper = frame_limits(run, -1)
@@ -74,7 +74,7 @@ def figure_before_after(
     draw_seams(before, scene)
     draw_water(before, scene, named=True)
     shown = [*draw_failed(before, run), *draw_surfaces(before, equilibrium)]
-    figure.set_figheight(height + LEGEND_LINE * math.ceil((len(scene.soils) + len(shown)) / legend_columns(width)))
+    figure.set_figheight(height + LEGEND_LINE * math.ceil((len(scene.soils) + len(shown)) / legend_columns(width, named=True)))
     norm = field_norm({title: run}, "displacement", -1)
     circles = draw_profile(after, run, -1, "displacement", norm)
     for ax, frame in ((before, run.gravity_frame), (after, -1)):
@@ -85,5 +85,5 @@ def figure_before_after(
     before.set_title("Before", loc="left")
     after.set_title(written(fill(f"After: {with_end(title, run)}", TITLE // 2 if steep or narrow else TITLE)), loc="left")
     figure.colorbar(circles, ax=after, label="displacement (m)", pad=0.015, fraction=0.03)
-    layer_legend(figure, scene, more=shown, named=narrow)
+    layer_legend(figure, scene, more=shown, named=True)
     return figure

@@ -19,6 +19,7 @@ from sph.measures.places import GROUND, PASSED, REACHED, column_of, places_in
 from sph.measures.sides import BACK
 from sph.page.alternatives import compared, doubts, holding, of_alternative, slices_of, verdict
 from sph.page.facts import (
+    NOT_KNOWN,
     NOT_SEARCHED,
     NOT_TESTED,
     at_residual,
@@ -35,7 +36,7 @@ from sph.page.facts import (
 )
 from sph.page.levels import levels, widths
 from sph.page.matrix import TO_COME
-from sph.page.places import at_places
+from sph.page.places import at_a_glance, at_places
 from sph.page.second_spacing import answer_spacing, at_spacings, differs, drifts
 from sph.page.tables import Table, filled, moves_on, turned
 from sph.scene.gravity import UNSHAKEN
@@ -73,8 +74,10 @@ class Answer(NamedTuple):
     """What the first screen says."""
 
     lead: Sequence[str]  # what happens in the strongest shaking, and in the alternatives then
-    places: list[Table]  # what debris does at each place then
-    facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known
+    glance: Table | None  # what debris does at each place, in a row
+    places: list[Table]  # and in full, in the strongest shaking and in weaker shaking that is worse
+    facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known: those that come first
+    more: list[tuple[str, str, str]]  # and further ones
     tables: list[Table]
     alarms: list[str]  # what the spacing decides
     warnings: list[str]  # what limits trust in the results, errors of the scenes first
@@ -124,25 +127,19 @@ def answer(
     of_search = searched(scene, found(CRITICAL))
     if not of_search and AMPLITUDE in own and SPACING not in own:
         less = "; ".join(filter(None, (at_spacings(own, again, probe, scene.numerics.spacing), less)))
+    limits, unknown = [("Factor of safety", factor, how), ("Yield acceleration", critical, statically)], list[tuple[str, str, str]]()
+    if by_slices:
+        unknown = [(f"{name} by SPH", value, reason) for name, value, reason in limits if value == NOT_KNOWN]
+        slices = (factor_words(by_slices), least, by_slices["spencer"]), (yield_words(by_slices), yields, by_slices.get("critical", 0.0))
+        limits = [_by_both(*by_sph, *of) for by_sph, of in zip(limits, slices, strict=True)]
     facts = [
         *claims(found(CLAIMS), found(TRIGGER_CLAIM)),
-        (
-            "Factor of safety",
-            _lower_first(factor, factor_words(by_slices), least, by_slices["spencer"]) if by_slices else factor,
-            how,
-        ),
-        (
-            "Yield acceleration",
-            _lower_first(critical, yield_words(by_slices), yields, by_slices.get("critical", 0.0)) if by_slices else critical,
-            statically,
-        ),
-        *when(strongest(own), probe),
+        *yearly(found(ANNUAL), falling(table, rows) > 0),
         ("Shaking at which it fails", of_search or going(own, dimensions, missing), less),
         ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing, by_slices["spencer"] if by_slices else math.inf))),
-        *at_residual(rows),
-        *answer_spacing(again, size, why),
-        *yearly(found(ANNUAL), falling(table, rows) > 0),
+        *limits,
     ]
+    more = [*when(strongest(own), probe), *at_residual(rows), *unknown, *answer_spacing(again, size, why)]
     doubted = contradicted(as_it_is(strongest(table)), rows)
     expected, why_unknown = (
         expected_words(scene)
@@ -153,8 +150,10 @@ def answer(
     beside = "" if doubted else " ".join(filter(None, (verdict(strongest(table), doubts(table, rows)), holding(table))))
     return Answer(
         [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
+        at_a_glance(table, bool(doubted)),
         [_table_raised(each) for each in at_places(table, why, bool(doubted))],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
+        [(name, _raised(words), _raised(how)) for name, words, how in more],
         [
             turned(_table_raised(filled(each)))
             for each in compared(table, dimensions, probe, slices_of(table, rows), {} if client else alternatives)
@@ -168,9 +167,12 @@ def answer(
     )
 
 
-def _lower_first(by_sph: str, by_slices: str, value: float, spencer: float) -> str:
-    """A limit by both methods, that first which lies lower, by its ``value`` by SPH, NaN where it is not known, and Spencer's."""
-    return f"{by_slices}; {by_sph} by SPH" if value > spencer else f"{by_sph} by SPH; {by_slices}"
+def _by_both(name: str, by_sph: str, how: str, by_slices: str, value: float, spencer: float) -> tuple[str, str, str]:
+    """A limit by both methods, that first which is known and lies lower, by its ``value`` by SPH, NaN without one, and Spencer's; by slices
+    alone where a search found none by SPH."""
+    if by_sph == NOT_KNOWN:
+        return name, by_slices, ""
+    return name, f"{by_sph} by SPH; {by_slices}" if value <= spencer else f"{by_slices}; {by_sph} by SPH", how
 
 
 def _unless(to_come: Collection[str], code: str, said: tuple[str, str]) -> tuple[str, str]:

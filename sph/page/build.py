@@ -10,6 +10,7 @@ import os
 import re
 import zlib
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,6 +50,8 @@ LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
 TALL = 10
 """Lines of a matrix beside which a picture of two sections stacked fits better than one of them side by side."""
+HIGH = 25 / 6
+"""Inches of the height of that picture, as high as the page shows it (``page.css``), so that its words are as large as they are drawn."""
 REST = 1000
 """Characters of it left for what joins the runs to the rest."""
 DATA = "@@data@@"
@@ -311,8 +314,11 @@ def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) ->
     said = "The run that goes farthest." + f" {failed}" * bool(failed)
     pictures = []
     for width in (NARROW, WIDTH if beside is not None and beside.wide else WIDE):
-        drawn = io.BytesIO()
-        figure_before_after(run, title, study.places, equilibrium, width, stacked=tall).savefig(drawn, format="png", dpi=DPI)
+        drawn, draw = io.BytesIO(), partial(figure_before_after, run, title, study.places, equilibrium, stacked=tall)
+        figure = draw(width)
+        if width > NARROW and figure.get_figheight() > HIGH:
+            figure = draw(max(NARROW, width * HIGH / figure.get_figheight()))
+        figure.savefig(drawn, format="png", dpi=DPI)
         pictures.append(picture(study.runs[name], drawing, drawn=drawn)._replace(said=said))
     narrow, wide = pictures
     return wide._replace(narrow=narrow)

@@ -31,6 +31,8 @@ from sph.study.verdicts import tally
 
 NOT_TESTED, NOT_SEARCHED = "not tested", "not searched"
 """What is said of a limit that was not asked for, which a client is not told."""
+NOT_KNOWN = "not known"
+"""What is said of a limit that a search did not find."""
 
 
 def unshaken(table: pd.DataFrame, rows: Sequence[Row], missing: int = 0, spencer: float = math.inf) -> tuple[str, str]:
@@ -80,7 +82,7 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
     if not found:
         unknown = [str(each.numbers["reason"]) for each in findings if (each.code, each.subject) == ("stability-unknown", code)]
         if unknown:
-            return "not known", unknown[0] if closely else re.sub(r"^[a-z_.]+: ", "", unknown[0])
+            return NOT_KNOWN, unknown[0] if closely else re.sub(r"^[a-z_.]+: ", "", unknown[0])
         return NOT_SEARCHED, closely
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
     how = f"static, a quick search{slopes} before the runs, {limit_how(found[0].numbers)}"

@@ -14,6 +14,7 @@ from sph.measures.metrics import AREA_THRESHOLDS
 from sph.measures.places import ARRIVAL, GROUND, PASSED, PEAK_DEPTH, PEAK_SPEED, PRESSURE, REACHED, column_of, places_in
 from sph.page.second_spacing import WHERE_SPACING_DECIDES, differs, weakest_words
 from sph.page.tables import Table, filled, moves_on
+from sph.scene.gravity import GRAVITY
 from sph.scene.units import in_both
 from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, AS_IT_IS, BASE
 
@@ -70,6 +71,36 @@ def at_places(table: pd.DataFrame, why: str = "", contradicted: bool = False) ->
     if len(moving := strongest[strongest["at_rest"] == 0]):
         notes.append(f"Debris that still moves: {moves_on(moving)}.")
     return [filled(Table(f"Debris at the places{at}", HEAD, rows, " ".join(notes)))]
+
+
+def at_a_glance(table: pd.DataFrame, contradicted: bool = False) -> Table | None:
+    """From which shaking debris reaches each place, and the largest depth, speed and pressure of all runs, without those of which the
+    spacing decides if they stand, for each alternative; None without places.  ``contradicted`` as in ``at_places``."""
+    places = places_in(table.columns)
+    known = table[(table["diverged"] == 0) & ~differs(table)]
+    if not places or known.empty:
+        return None
+    names = known[ALTERNATIVE].astype(str) if ALTERNATIVE in known else pd.Series(BASE, known.index)
+    own = list(dict.fromkeys(names))
+    rows = [
+        (place.replace("_", " "), *(_glance(known[names == name], place, contradicted and name == BASE) for name in own))
+        for place in places
+    ]
+    columns = [AS_IT_IS if name == BASE else name for name in own] if len(own) > 1 else ["debris"]
+    caption = "Debris at the places: the weakest shaking that brings any, the most of all runs, and how far the ground there moves"
+    return Table(caption, ("place", *columns), rows)
+
+
+def _glance(runs: pd.DataFrame, place: str, contradicted: bool) -> str:
+    """What debris does at a place in runs of one alternative."""
+    there = runs[column_of(place, REACHED)] > 0.0
+    if not there.any():
+        strongest = runs[runs[AMPLITUDE] == max(runs[AMPLITUDE], key=float)] if AMPLITUDE in runs else runs
+        short = _at(strongest, place, NOTHING, contradicted)[-1]
+        return short if short.startswith(("unknown", "not known", "may be")) else f"not reached: {short}"
+    least = f"from {runs[AMPLITUDE][there].astype(float).min() / GRAVITY:.3g} g: " if AMPLITUDE in runs else ""
+    _, _, _, depth, speed, pressure, moves, _ = _at(runs, place, "", contradicted=False)
+    return f"{least}{depth} m deep, {speed} m/s, {pressure} kPa" + f"; moves {moves} m" * (moves != NOTHING)
 
 
 def _worse(runs: pd.DataFrame, weaker: pd.DataFrame, place: str) -> list[pd.DataFrame]:

@@ -85,32 +85,41 @@ def answer_spacing(again: pd.DataFrame | None, runs: int, why: str = "") -> list
 
 
 def drifts(again: pd.DataFrame | None, probe: str, points: Mapping[str, str]) -> list[str]:
-    """The largest change of displacement and run-out by a second spacing, where that is not converged, and the runs in which it decides
-    whether the debris reaches a place; ``points`` are the words for runs, others keep their names."""
-    if again is None:
+    """The runs of which a second spacing changes displacement or run-out most, where that is not converged, with what it changes in them,
+    and further runs in which it decides whether debris reaches a place; ``points`` are the words for runs, others keep their names."""
+    if again is None or again.empty:
         return []
-    rows, found = again.assign(run=[points.get(run, run) for run in again["run"]]), list[str]()
-    drifting = rows[rows["verdict"] == NOT_CONVERGED]
-    for quantity, what in (("displacement_magnitude", f"displacement of {probe}"), ("runout", "run-out")):
-        of = drifting[drifting["quantity"] == quantity]
-        if of.empty:
+    rows, told, counts = again.assign(run=[points.get(run, run) for run in again["run"]]), dict[str, list[str]](), list[str]()
+    for quantity, name, moves in (
+        ("displacement_magnitude", f"displacement of {probe}", f"{probe} moves"),
+        ("runout", "run-out", "debris runs"),
+    ):
+        of = rows[rows["quantity"] == quantity]
+        drifting = of[of["verdict"] == NOT_CONVERGED]
+        if drifting.empty:
             continue
-        worst = max(of.to_dict("records"), key=lambda row: abs(row["value"] - row["second_value"]))
-        both = sorted(((worst[f"{which}spacing"], worst[f"{which}value"]) for which in ("", "second_")), reverse=True)
-        said = ", ".join(f"{metres(value)} m at {spacing:.3g} m" for spacing, value in both)
-        towards = "" if math.isnan(worst["extrapolated"]) else f"; extrapolated to spacing 0: {metres(worst['extrapolated'])} m"
-        count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
-        found.append(f"Not converged: {what} in {len(of)} of {count} runs, most at {worst['run']}: {said}{towards}.")
-    unsure = dict[tuple[str, ...], list[str]]()
+        worst = max(drifting.to_dict("records"), key=lambda row: abs(row["value"] - row["second_value"]))
+        said = f"{moves} {metres(worst['value'])} m and {metres(worst['second_value'])} m"
+        towards = "" if math.isnan(worst["extrapolated"]) else f" (extrapolated to spacing 0: {metres(worst['extrapolated'])} m)"
+        told.setdefault(worst["run"], []).append(said + towards)
+        counts.append(f"{name} in {len(drifting)} of {of['run'].nunique()} runs")
+    unsure = dict[str, list[str]]()
     for place in places_in(rows["quantity"].unique()):
         past = rows[rows["quantity"] == column_of(place, PASSED)]
-        known = [(run, values) for run, *values in past[["run", "value", "second_value"]].itertuples(index=False)]
-        open_runs = tuple(run for run, values in known if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1)
-        unsure.setdefault(open_runs, []).append(place)
+        for run, *values in past[["run", "value", "second_value"]].itertuples(index=False):
+            if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1:
+                unsure.setdefault(run, []).append(place.replace("_", " "))
+    at = " and of ".join(f"{again[name].iloc[0]:.3g} m" for name in ("spacing", "second_spacing"))
+    for run, changes in told.items():
+        changes += [f"it reaches {listed(unsure.pop(run), 'or')} or not"] if run in unsure else []
+    runs_differ = "; ".join(f"at {run} {', '.join(changes)}" for run, changes in told.items())
+    found = [f"Not converged: {' and '.join(counts)}. With particles of {at}: {runs_differ}."] if told else []
+    by_places = dict[tuple[str, ...], list[str]]()
+    for run, places in unsure.items():
+        by_places.setdefault(tuple(places), []).append(run)
     found += [
         f"Not converged: whether debris reaches {listed(places, 'or')} depends on the spacing at {'; '.join(runs[:3])}"
         f"{f' and {len(runs) - 3} more runs' if len(runs) > 3 else ''}."
-        for runs, places in unsure.items()
-        if runs
+        for places, runs in by_places.items()
     ]
     return found

@@ -159,8 +159,8 @@ def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
     )
     assert answer_spacing(table, 2, "3 rows")[0][2].endswith("; it does not show what more rows would change: 3 rows")
     assert drifts(table, "B", {}) == [
-        "Not converged: displacement of B in 1 of 2 runs, most at weak: 9.90 m at 1.9 m, 15.3 m at 1.27 m; "
-        "extrapolated to spacing 0: 26.2 m."
+        "Not converged: displacement of B in 1 of 2 runs. With particles of 1.27 m and of 1.9 m: at weak B moves 15.3 m and 9.90 m "
+        "(extrapolated to spacing 0: 26.2 m)."
     ]
     assert answer_spacing(table, 6)[0][2].startswith("the runs that decide in what shaking it fails, with particles of")
     past = [("weak", "collapse", "collapse", "road_passed", *compared(run(9.0, 10.0), run(9.0, 7.5), "road_passed", (1.27, 1.9), 0.05))]
@@ -171,6 +171,7 @@ def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
     assert drifts(pd.DataFrame(both, columns=table.columns), "A", {}) == [
         "Not converged: whether debris reaches road or house depends on the spacing at weak."
     ]
+    assert drifts(pd.DataFrame([*rows, *past], columns=table.columns), "B", {})[0].endswith("26.2 m), it reaches road or not.")
     short = run(9.0, 4.0), run(2.0, 3.0, "damaged")  # of two classes, and both short of the road
     past = [(name, "", "", "road_passed", *compared(own, second, "road_passed", (1.27, 1.9), 0.05)) for name, own, second in (
         ("short", *short), ("diverged", run(9.0, 4.0), run(math.nan, math.nan, UNDETERMINED)))]  # fmt: skip

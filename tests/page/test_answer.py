@@ -14,11 +14,11 @@ from sph.checks.after_run import has_thin_debris
 from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import _lower_first, held_back, lead, surer_with
+from sph.page.answer import _by_both, held_back, lead, surer_with
 from sph.page.build import farthest
 from sph.page.facts import at_residual, fails_in_weakest, unshaken, yearly
 from sph.page.levels import levels, widths
-from sph.page.places import at_places
+from sph.page.places import at_a_glance, at_places
 from sph.page.second_spacing import differs, with_second_class
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
@@ -115,6 +115,27 @@ def test_a_place_that_fares_worse_in_weaker_shaking_says_so() -> None:
         not in at_places(worse.assign(**{name: worse[name].max() for name in worse if name.startswith(("road_", "house_"))}))[0].head
     )
     assert "it reaches road; in weaker shaking it reaches house as well" in lead(worse, [])
+
+
+def test_the_places_at_a_glance() -> None:
+    """The most of all runs of each alternative, without those of which the spacing decides if they stand."""
+    glance = at_a_glance(RUNS)
+    assert glance is not None and [list(row) for row in glance.rows] == [
+        ["road", "from 0.408 g: 2.10 m deep, 4.2 m/s, 31 kPa"],
+        ["house", "not reached: stops 10.0 m short"],
+    ]
+    assert at_a_glance(RUNS[[name for name in RUNS if not name.startswith(("road_", "house_"))]]) is None
+    several = at_a_glance(RUNS.assign(alternative=["base", "drained"] * 3, road_ground_displacement=[0.0, 3.0] * 3), contradicted=True)
+    assert several is not None and several.head == ("place", "as it is", "drained")
+    assert several.rows[0][2].endswith("kPa; moves 3.00 m") and several.rows[1][1:] == (
+        "not known: runs stand that should fail",
+        "not reached: stops 10.0 m short",
+    )
+    decided = RUNS.assign(second_class=["stable" if reached else "" for reached in RUNS["road_reached"] > 0.0])
+    without = at_a_glance(decided.assign(collapse_class="collapse"))
+    assert without is not None and "kPa" not in without.rows[0][1]
+    moving = at_a_glance(RUNS.assign(at_rest=0, time_to_rest=7.5))
+    assert moving is not None and moving.rows[1][1].startswith("unknown in 4 of 4 runs, still moving")
 
 
 def test_each_alternative_has_its_own_row() -> None:
@@ -240,9 +261,10 @@ def test_thin_debris_is_counted_and_a_finer_spacing_asked_for() -> None:
 
 
 def test_the_lower_limit_comes_first() -> None:
-    assert _lower_first("1.23", "Spencer 1.05", 1.23, 1.05) == "Spencer 1.05; 1.23 by SPH"
-    assert _lower_first("1.23", "Spencer 1.25", 1.23, 1.25) == "1.23 by SPH; Spencer 1.25"
-    assert _lower_first("not searched", "Spencer 0.6", math.nan, 0.6) == "not searched by SPH; Spencer 0.6"
+    assert _by_both("F", "1.23", "how", "Spencer 1.05", 1.23, 1.05) == ("F", "Spencer 1.05; 1.23 by SPH", "how")
+    assert _by_both("F", "1.23", "how", "Spencer 1.25", 1.23, 1.25) == ("F", "1.23 by SPH; Spencer 1.25", "how")
+    assert _by_both("F", "not searched", "sph fos", "Spencer 0.6", math.nan, 0.6) == ("F", "Spencer 0.6; not searched by SPH", "sph fos")
+    assert _by_both("F", "not known", "too few rows", "Spencer 0.6", math.nan, 0.6) == ("F", "Spencer 0.6", "")
 
 
 def test_how_wide_by_the_amplitude() -> None:

@@ -358,7 +358,7 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     write_preflight(findings, [Row(each, 1, "one") for each in (note, *slices)])
     first = Words(build_page(study)).text.partition("One run")[0]
     assert "Factor of safety Bishop 1.44 (circle), Spencer 1.31 (not circular); 1.41 ± 0.10 by SPH static" in first
-    assert "Yield acceleration not searched by SPH; Spencer: not found sph yield-acceleration" in first
+    assert "Yield acceleration Spencer: not found; not searched by SPH sph yield-acceleration" in first
 
 
 def searched_file(path: Path, by: str, value: float, error: float, reason: str = "") -> str:
