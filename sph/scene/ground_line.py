@@ -14,7 +14,7 @@ from sph.scene.places import Coordinate, Point, Shape
 from sph.scene.survey import SurveyLine, check_line, read_line
 
 GENTLE = 0.5
-"""What is gentler than this part of the mean gradient of the ground's largest climb lies before the toe or behind the crest."""
+"""What is gentler than this part of the slope's mean gradient lies before its toe or behind its crest."""
 STANDS_OUT = 0.03
 """Rise of a steeper part of the slope above its mean gradient, over its height, from which on it is a face of its own."""
 NARROWEST = 0.1
@@ -153,11 +153,14 @@ class GroundLine(SurveyLine, Shape):
 
     @property
     def _main_slope(self) -> tuple[Point, Point]:
-        """Toe and crest: the two points of the ground between which most rise is left after half the mean gradient of the largest
-        climb is taken off everywhere, which leaves out gentler ground before and behind and passes over dips and berms."""
-        low, high = largest_climb(self._ground, 0.0)
-        gradient = (high[1] - low[1]) / max(high[0] - low[0], 1e-9)
-        return largest_climb(self._ground, GENTLE * gradient)
+        """Toe and crest: the two points of the ground between which most rise is left after half the mean gradient between them is taken
+        off everywhere, which leaves out gentler ground before and behind and passes over dips and berms; found from the largest climb on.
+        """
+        slope, gradient = largest_climb(self._ground, 0.0), -np.inf
+        while (steeper := (slope[1][1] - slope[0][1]) / max(slope[1][0] - slope[0][0], 1e-9)) > gradient:
+            gradient = steeper
+            slope = largest_climb(self._ground, GENTLE * gradient)
+        return slope
 
     @property
     def steeper_face(self) -> tuple[Point, Point] | None:

@@ -124,6 +124,8 @@ def test_a_window_may_end_on_a_vertical_step(window: Any, surface: Any, backward
         ([[0, 450], [20, 440], [40, 442], [60, 460], [80, 461], [120, 445]], (40, 442), (60, 460)),  # a ridge above a valley
         ([[0, 440], [30, 440], [30, 460], [60, 460]], (30, 440), (30, 460)),  # a cliff
         ([[0, 440], [40, 450]], (0, 440), (40, 450)),  # slope all along
+        # gentler ground before and behind that climbs as well: the mean gradient is that of the slope, not of the whole survey
+        ([[0, 440.1], [50, 441.4], [58, 442.2], [65, 444.9], [98, 462.1], [109, 465.8], [128, 467.4]], (58, 442.2), (109, 465.8)),
     ],
 )
 def test_toe_and_crest_are_those_of_the_main_slope(points: Any, toe: tuple[float, float], crest: tuple[float, float]) -> None:
