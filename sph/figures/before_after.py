@@ -39,7 +39,7 @@ TITLE = 60
 """Most characters in a line of a title over the width of the figure."""
 STEEP = 0.3
 """Height over width of a section from which on both stand side by side."""
-NARROW, WIDE = 0.5 * WIDTH, 1.3 * WIDTH
+NARROW, WIDE = 0.5 * WIDTH, 1.15 * WIDTH
 """Width of the picture on a phone and on a wide screen, inches."""
 
 
@@ -50,19 +50,18 @@ def figure_before_after(
     places: Mapping[str, PlaceAt] | None = None,
     equilibrium: LimitEquilibrium | None = None,
     width: float = WIDTH,
-    stacked: bool = False,
 ) -> Figure:
     """The section before the shaking with its layers, seams and water, the critical slip surfaces and the soil that is to fail, and the
     soil at the end of the run, coloured by its displacement since the gravity stage.  Rings are the particles that are followed, posts the
     places that debris may reach.
 
     ``title`` names the run, ``places`` are as in ``metrics.places``, slip surfaces those of ``equilibrium``, ``width`` is in inches.  Both
-    stand side by side in a wide figure of a steep section, unless they are to be ``stacked``.
+    stand side by side in a wide figure of a steep section.
     """
     scene = run.scene
     left, right, lower, upper = frame_limits(run, -1)
     narrow = width <= NARROW
-    steep = (upper - lower) / (right - left) > STEEP and not (stacked or narrow)
+    steep = (upper - lower) / (right - left) > STEEP and not narrow
     across = (width - 1.6) / (2 if steep else 1)
     left, right, lower, upper = limits = with_room((left, right, lower, upper), scene, places or {}, across)
     panel = across * (upper - lower) / (right - left)

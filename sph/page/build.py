@@ -48,10 +48,8 @@ from sph.study.verdicts import AT_LEAST, FAILS, HOLDS, MISSES, NOT_COVERED, NOT_
 
 LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
-TALL = 10
-"""Lines of a matrix beside which a picture of two sections stacked fits better than one of them side by side."""
 HIGH = 25 / 6
-"""Inches of the height of that picture, as high as the page shows it (``page.css``), so that its words are as large as they are drawn."""
+"""Inches of the height of the picture of the slope, as high as ``page.css`` shows it, so that its words are as large as they are drawn."""
 REST = 1000
 """Characters of it left for what joins the runs to the rest."""
 DATA = "@@data@@"
@@ -307,14 +305,14 @@ def farthest(table: pd.DataFrame) -> str | None:
 
 def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) -> Picture:
     """The slope before and after a run, ``beside`` the matrix of all runs, and the same for a phone."""
-    run, tall = study.read(study.runs[name]), beside is not None and beside.lines > TALL
+    run = study.read(study.runs[name])
     equilibrium = found_equilibrium(run.scene)
     failed = failed_words(run)
     drawing = Drawing("Before and after", caption_of(figure_before_after))
     said = "The run that goes farthest." + f" {failed}" * bool(failed)
     pictures = []
     for width in (NARROW, WIDTH if beside is not None and beside.wide else WIDE):
-        drawn, draw = io.BytesIO(), partial(figure_before_after, run, title, study.places, equilibrium, stacked=tall)
+        drawn, draw = io.BytesIO(), partial(figure_before_after, run, title, study.places, equilibrium)
         figure = draw(width)
         if width > NARROW and figure.get_figheight() > HIGH:
             figure = draw(max(NARROW, width * HIGH / figure.get_figheight()))

@@ -58,11 +58,6 @@ class Matrix(NamedTuple):
     colours: Mapping[str, tuple[str, str]]  # of paper and ink, by the classes that there are
 
     @property
-    def lines(self) -> int:
-        """Lines that it takes."""
-        return sum(2 + len(panel.rows) for panel in self.panels)
-
-    @property
     def wide(self) -> bool:
         """Whether it leaves little room beside it."""
         return max(len(panel.head) for panel in self.panels) > MAX_BESIDE

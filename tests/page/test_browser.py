@@ -17,6 +17,7 @@ from made import FOLDER, RIGHT, listed_study, made_study
 from PIL import Image
 from test_answer import RUNS
 
+from sph.figures.style import DPI
 from sph.page.build import StudyFiles, write_page
 from sph.page.places import at_places
 from sph.page.tables import metres
@@ -256,6 +257,7 @@ def test_the_first_screen_shows_before_it_tells(browser: Browser, size: tuple[in
     assert 0 < browser.run(bottom, within) <= size[1]
     picture = browser.run("const of = document.querySelector('#overview img'); return [of.clientWidth, of.naturalWidth, of.naturalHeight]")
     assert picture[0] <= size[0] and (picture[1] < 800) == (size == PHONE), "a phone has a picture of its own, that need not scroll"
+    assert picture[0] * DPI / (96 * picture[1]) > 0.85, "its words are hardly smaller than they are drawn"
     order = "const at = (id) => document.getElementById(id); return at(arguments[0]).compareDocumentPosition(at(arguments[1]))"
     assert browser.run(order, "overview", "answer") == browser.run(order, "answer", "explorer") == 4, "each before the next"
     assert browser.run("return document.documentElement.scrollWidth <= innerWidth"), "a matrix scrolls by itself"
