@@ -94,13 +94,21 @@ def without_surface(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[
     return [finding("stability-unknown", crest, subject="limit-equilibrium", heights=MIN_GROUND)]
 
 
-def of_equilibrium(scene: Scene, limits: Iterable[Finding] = ()) -> list[Finding]:
-    """A note of both methods, and a finding for each of ``limits`` that differs from Spencer's by more than its error."""
+def of_equilibrium(scene: Scene) -> list[Finding]:
+    """A note of both methods, and a warning of a surface that ends at the base."""
     equilibrium = found_equilibrium(scene)
     if equilibrium is None:
         return without_surface(scene, equilibrium)
     numbers = equilibrium_numbers(equilibrium) | within_cover(scene, equilibrium)
-    told = [finding("limit-equilibrium", **numbers), *slip_at_base(scene, equilibrium)]
+    return [finding("limit-equilibrium", **numbers), *slip_at_base(scene, equilibrium)]
+
+
+def that_differ(scene: Scene, limits: Iterable[Finding]) -> list[Finding]:
+    """A finding for each of ``limits`` that differs from Spencer's by more than its error."""
+    equilibrium = found_equilibrium(scene) if limits else None
+    if equilibrium is None:
+        return []
+    told = []
     spencer = {"factor-of-safety": equilibrium.spencer.value, "yield-acceleration": GRAVITY * equilibrium.critical.value}
     for limit in limits:
         bound = spencer.get(limit.code, math.inf)

@@ -61,7 +61,7 @@ def stability(scene: Scene) -> list[Finding]:
     with suppress(ValueError):  # of spacings too close to each other, which the searches tell
         coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
     limits = [of_limit(code, scene) for code in QUESTIONS]
-    return [*found, *coarse, *limits, *equilibrium.of_equilibrium(scene, limits)]
+    return [*found, *coarse, *limits, *equilibrium.of_equilibrium(scene), *equilibrium.that_differ(scene, limits)]
 
 
 def standing(scene: Scene) -> list[Finding]:

@@ -33,7 +33,7 @@ from sph.stability.safety import DEFAULT_RULE
 from sph.stability.slip_search import LimitEquilibrium
 from sph.stability.standing import static_scene
 from sph.study.cost import ON_REFERENCE, cost, search_cost
-from sph.study.dimensions import scene_key, value_of
+from sph.study.dimensions import Dimension, scene_key, value_of
 from sph.study.machine import duration
 from sph.study.plan import Plan
 
@@ -153,9 +153,14 @@ def motions_of(plan: Plan) -> dict[str, list[dict[str, Any]]]:
     for point in plan.study.runs.values():
         levels = [float(point[each.name]) for each in shaking if scene_key(each.name) == "motion.amplitude" and point[each.name] != "null"]
         name = ", ".join(each.said(point[each.name]) for each in shaking if scene_key(each.name) != "motion.amplitude")
-        keys = dotted({scene_key(each.name): value_of(point[each.name]) for each in shaking})
+        keys = dotted({scene_key(each.name): _written(each, point[each.name]) for each in shaking})
         found.setdefault(name, {})[levels[0] if levels else 0.0] = keys
     return {name: [each[level] for level in sorted({min(each), max(each)})] for name, each in list(found.items())[:MAX_MOTIONS]}
+
+
+def _written(dimension: Dimension, value: str) -> Any:
+    """A value of a study's dimension as a scene's key, an acceleration with its unit: without one it might be meant in g."""
+    return f"{value} m/s2" if dimension.unit == "m/s2" and value != "null" else value_of(value)
 
 
 def in_motions(motions: Mapping[str, Sequence[Scene]], checked: Check) -> dict[str, list[Finding]]:

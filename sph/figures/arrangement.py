@@ -86,7 +86,7 @@ def figure_geometry(run: Run, fidelity: str = "", places: Mapping[str, PlaceAt] 
     reach, bottom = 0.09 * geometry.width, (-0.22 if dimensioned else -0.11) * geometry.height
     limits = with_room((-reach, geometry.width + reach, bottom, 1.1 * geometry.height), scene, places or {}, WIDTH)
     equilibrium = found_equilibrium(scene)
-    lines = len(scene.soils) + (0 if equilibrium is None else 2)
+    lines = len(scene.soils) + sum(surface.x.size > 0 for surface in equilibrium or ())
     height = WIDTH * (limits[3] - bottom) / (geometry.width + 2 * reach) + (0.4 if dimensioned else 0.75) + LEGEND_LINE * lines
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     ax = figure.subplots()
@@ -140,12 +140,14 @@ def draw_layers(ax: Axes, scene: Scene) -> None:
 
 
 def draw_surfaces(ax: Axes, equilibrium: LimitEquilibrium | None) -> list[Line2D]:
-    """The critical slip surfaces by Bishop's and Spencer's methods, where there are any; the lines, named with their factors of safety."""
+    """The critical slip surfaces by Bishop's and Spencer's methods and that of the yield acceleration, where there are any; the lines."""
     drawn = list[Line2D]()
-    for name, style in (("bishop", (0, (4, 1.5))), ("spencer", "-")):
+    for name, style in (("bishop", (0, (4, 1.5))), ("spencer", "-"), ("critical", (0, (1, 1)))):
         surface = getattr(equilibrium, name, None)
         if surface is not None and surface.x.size:
             label = f"critical surface, {name.capitalize()}: F = {surface.value:.2f}"
+            if name == "critical":
+                label = f"that of the yield acceleration, {surface.value:.2g} g"
             halo = [withStroke(linewidth=2.2, foreground="white")]  # on failed soil
             drawn += ax.plot(
                 surface.x, surface.y, color=SURFACE_COLOUR, linewidth=1.1, linestyle=style, zorder=3, label=label, path_effects=halo

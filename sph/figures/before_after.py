@@ -72,7 +72,8 @@ def figure_before_after(
     draw_ground(before, scene)
     draw_seams(before, scene)
     draw_water(before, scene, named=True)
-    shown = [*draw_failed(before, run), *draw_surfaces(before, equilibrium)]
+    fails = draw_failed(before, run)
+    shown = [*fails, *draw_surfaces(before, equilibrium)]
     figure.set_figheight(height + LEGEND_LINE * math.ceil((len(scene.soils) + len(shown)) / legend_columns(width, named=True)))
     norm = field_norm({title: run}, "displacement", -1)
     circles = draw_profile(after, run, -1, "displacement", norm)
@@ -81,7 +82,7 @@ def figure_before_after(
         draw_places(ax, scene, places or {})
         survey_axes(ax, scene, limits)
         ax.label_outer()
-    before.set_title("Before", loc="left")
+    before.set_title("Before, with the soil that will fail" if fails else "Before", loc="left")
     after.set_title(written(fill(f"After: {with_end(title, run)}", TITLE // 2 if steep or narrow else TITLE)), loc="left")
     figure.colorbar(circles, ax=after, label="displacement (m)", pad=0.015, fraction=0.03)
     layer_legend(figure, scene, more=shown, named=True)

@@ -375,8 +375,9 @@ def class_displacement(name: str, scene: Scene, settings: MetricSettings) -> flo
 
 def class_words(settings: MetricSettings, scene: Scene) -> str:
     """Which displacements of the probe the classes are, in words."""
-    limits = ", ".join(f"{name} from {limit:g} H" for name, limit in _limits(settings).items())
-    return f"Class by the displacement of {settings.probe}: {limits}; the height H of the slope is {height_of(scene):.3g} m."
+    height = height_of(scene)
+    limits = ", ".join(f"{name} from {limit:g} H ({limit * height:.2g} m)" for name, limit in _limits(settings).items())
+    return f"Class by the displacement of {settings.probe}: {limits}; the height H of the slope is {height:.3g} m."
 
 
 def _limits(settings: MetricSettings) -> dict[str, float]:

@@ -24,6 +24,7 @@ from sph.page.facts import (
     NOT_TESTED,
     at_residual,
     claims,
+    fails_below,
     fails_in_weakest,
     few_rows,
     going,
@@ -68,6 +69,12 @@ SPACINGS = "{fidelity}/spacing.csv"
 
 FARTHER_IN_WEAKER = 1.01
 """Run-out in weaker shaking, over that in the strongest, from which on it is told."""
+
+
+SPREADS = "less than the yield acceleration: soil that reaches its peak strength somewhere loses it, and the failure spreads"
+"""Why a slope may fail in weaker shaking than that."""
+SENSELESS = 10.0
+"""Run-out of others over that of the debris from which on it tells nothing, as an energy line with hardly any friction."""
 
 
 class Answer(NamedTuple):
@@ -125,6 +132,9 @@ def answer(
     least = min((of.numbers["value"] for of in findings if of.code == SEARCHES[SAFETY].code), default=math.nan)
     yields = own["yield_acceleration"].min()
     of_search = searched(scene, found(CRITICAL))
+    least_yield = min(filter(None, (by_slices.get("critical") if by_slices else None, None if math.isnan(yields) else yields)), default=0.0)
+    if not of_search and fails_below(own, least_yield):
+        less = "; ".join(filter(None, (SPREADS, less)))
     if not of_search and AMPLITUDE in own and SPACING not in own:
         less = "; ".join(filter(None, (at_spacings(own, again, probe, scene.numerics.spacing), less)))
     limits, unknown = [("Factor of safety", factor, how), ("Yield acceleration", critical, statically)], list[tuple[str, str, str]]()
@@ -141,10 +151,10 @@ def answer(
     ]
     more = [*when(strongest(own), probe), *at_residual(rows), *unknown, *answer_spacing(again, size, why)]
     doubted = contradicted(as_it_is(strongest(table)), rows)
+    errors = table.loc[table["diverged"] == 0, [row.name for row in EXPECTED]]
+    alike = len(errors.drop_duplicates()) <= 1
     expected, why_unknown = (
-        expected_words(scene)
-        if len(table[[row.name for row in EXPECTED]].dropna(how="all").drop_duplicates()) <= 1
-        else ("differs, see all runs", "")
+        expected_words(scene) if alike else (f"known for {len(errors.dropna(how='all'))} of {len(errors)} runs, see all runs", "")
     )
     alarms = drifts(again, probe, _points(table, dimensions))
     beside = "" if doubted else " ".join(filter(None, (verdict(strongest(table), doubts(table, rows)), holding(table))))
@@ -293,7 +303,7 @@ def _beside_others(known: pd.DataFrame) -> str:
     """How far a sliding point and slides of the field would go where the debris goes farthest, in brackets."""
     farthest = max(known[known["runout"] > 0.0].to_dict("records"), key=lambda run: run["runout"])
     others = {"energy line": farthest["energy_line_runout"], "mean of past slides": farthest["corominas_runout"]}
-    words = ", ".join(f"{name} {metres(goes)} m" for name, goes in others.items() if not math.isnan(goes))
+    words = ", ".join(f"{name} {metres(goes)} m" for name, goes in others.items() if 0.0 < goes < SENSELESS * farthest["runout"])
     return f" ({words})" * bool(words)
 
 

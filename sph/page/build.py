@@ -44,7 +44,7 @@ from sph.storage.netcdf import read_attributes
 from sph.storage.trajectory import Status
 from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
 from sph.study.tables import Layout, read_table
-from sph.study.verdicts import AT_LEAST, FAILS, HOLDS, MISSES, NOT_COVERED, NOT_YET
+from sph.study.verdicts import AT_LEAST, CONSTRUCTED, FAILS, FITTED, HOLDS, MISSES, NOT_COVERED, NOT_YET
 
 LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
@@ -56,6 +56,7 @@ DATA = "@@data@@"
 """Place of the runs in the page."""
 MARKS: dict[str, str] = {
     HOLDS: "good", FAILS: "bad", MISSES: "bad", Status.DIVERGED: "bad", NOT_YET: "open", AT_LEAST: "open", NOT_COVERED: "open",
+    FITTED: "open", CONSTRUCTED: "open",
     NOTHING: "nothing",
 }  # fmt: skip
 """Verdicts and empty cells that tables mark, by the style of the mark."""
@@ -215,7 +216,9 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
             study.alternatives,
             again,
         ),
-        overview=None if first is None else overview(study, first, titles[list(table.index).index(first)], cells),
+        overview=None
+        if first is None
+        else overview(study, first, titles[list(table.index).index(first)], cells, farthest_words(table, first)),
         missing=[f"{title_of(study.dimensions, each.point)}: {each.stand}" for each in study.missing.values()],
         matrix=cells,
         class_words=class_words(study.metrics, scene),
@@ -303,13 +306,20 @@ def farthest(table: pd.DataFrame) -> str | None:
     return str(sound.fillna({"runout": 0.0}).sort_values(["runout", "displacement_magnitude"], kind="stable").index[-1])
 
 
-def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None) -> Picture:
-    """The slope before and after a run, ``beside`` the matrix of all runs, and the same for a phone."""
+def farthest_words(table: pd.DataFrame, first: str) -> str:
+    """What the run is that ``farthest`` chose."""
+    own = as_it_is(table[table["diverged"] == 0])
+    others = own.loc[~differs(own), "runout"]
+    return f"The run that goes farthest{' in the strongest shaking' * bool(others.max() > table['runout'][first])}."
+
+
+def overview(study: StudyFiles, name: str, title: str, beside: Matrix | None, chosen: str) -> Picture:
+    """The slope before and after a run, which was ``chosen`` so, ``beside`` the matrix of all runs, and the same for a phone."""
     run = study.read(study.runs[name])
     equilibrium = found_equilibrium(run.scene)
     failed = failed_words(run)
     drawing = Drawing("Before and after", caption_of(figure_before_after))
-    said = "The run that goes farthest." + f" {failed}" * bool(failed)
+    said = chosen + f" {failed}" * bool(failed)
     pictures = []
     for width in (NARROW, WIDTH if beside is not None and beside.wide else WIDE):
         drawn, draw = io.BytesIO(), partial(figure_before_after, run, title, study.places, equilibrium)

@@ -163,6 +163,14 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension], missing: int = 0
     return f"at most {in_both(gone)}{of}" if missing or math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
+def fails_below(table: pd.DataFrame, critical: float) -> bool:
+    """Whether a slope fails in shaking weaker than a yield acceleration, m/s2, whatever the spacing."""
+    if AMPLITUDE not in table:
+        return False
+    fails = table["collapse_class"].isin(CLASSES[1:]) & (table["status"] != Status.FAILED_UNSHAKEN) & ~differs(table)
+    return bool((table.loc[fails, AMPLITUDE].astype(float) < critical).any())
+
+
 def fails_in_weakest(table: pd.DataFrame) -> bool:
     """Whether a slope fails in the weakest shaking of a study of several, so that weaker shaking would tell more."""
     if AMPLITUDE not in table:

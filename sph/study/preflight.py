@@ -234,39 +234,13 @@ def study_stability(scenes: Mapping[str, Scene], say: Callable[[str], None] = pr
     return _rows(by_finding)
 
 
-def study_limits(
-    scenes: Mapping[str, Scene], tested: Sequence[Row], say: Callable[[str], None] = print, searches: Sequence[str] = tuple(QUESTIONS)
-) -> list[Row]:
-    """The limits of the slopes of a study that do not fall as ``tested`` by ``study_stability``: by ``searches`` of ``QUESTIONS``, of the
-    first slope, and of others until that has taken ``LONGEST``; and by limit equilibrium, without searches too."""
-    slopes: dict[str, list[list[str]]] = {}  # of each the runs by residual strength
-    for (peak_key, _), names in _slopes(scenes).runs.items():
-        slopes.setdefault(peak_key, []).append(names)
-    falling = {row.worst_run for row in tested if row.finding.code == "fails-unshaken"}
+def study_equilibrium(scenes: Mapping[str, Scene], tested: Sequence[Row], say: Callable[[str], None] = print) -> list[Row]:
+    """What limit equilibrium says of the slopes of a study that do not fall as ``tested`` by ``study_stability``, of the first
+    ``MAX_SLOPES`` of them, and what a sliding block with its yield acceleration does in the motions of their runs."""
     by_finding: dict[Finding, list[str]] = {}
-    spent, unsearched = 0.0, list[str]()
-    for groups in slopes.values():
+    for groups in _standing(scenes, tested)[:MAX_SLOPES]:
         names = [name for group in groups for name in group]
-        scene = scenes[names[0]]
-        if names[0] in falling:
-            continue
-        limits = list[Finding]()
-        if searches and spent <= LONGEST:
-            try:
-                spacings = search_spacings(scene)
-                limits = [of_limit(code, scene, QUICK_TOLERANCE, spacings) for code in searches]
-            except ValueError as error:
-                limits = [finding("stability-unknown", subject=code, reason=str(error)) for code in searches]
-        elif searches:
-            unsearched += names
-        if not limits and len(slopes) > MAX_SLOPES:  # limit equilibrium takes a second
-            continue
-        for limit in limits:
-            tests = (limit.numbers.get(name, most) for name, most in zip(("coarse_tests", "fine_tests"), QUICK_TRIALS, strict=True))
-            spent += search_seconds(scene, list(tests))
-            say(f"{names[0]}: {line(limit)}")
-            by_finding.setdefault(limit, []).extend(names)
-        told = equilibrium.of_equilibrium(scene, limits)
+        told = equilibrium.of_equilibrium(scenes[names[0]])
         for each in told:
             say(f"{names[0]}: {line(each)}")
             by_finding.setdefault(each, []).extend(names)
@@ -277,9 +251,45 @@ def study_limits(
                 worst, first = min(met.items(), key=lambda each: each[1].rank)
                 say(f"{worst}: {line(first)}")
                 by_finding.setdefault(first, []).extend([worst, *(name for name in met if name != worst)])
+    return _rows(by_finding)
+
+
+def study_limits(
+    scenes: Mapping[str, Scene], tested: Sequence[Row], say: Callable[[str], None] = print, searches: Sequence[str] = tuple(QUESTIONS)
+) -> list[Row]:
+    """The limits of the slopes of a study that do not fall as ``tested`` by ``study_stability``, by ``searches`` of ``QUESTIONS``: of the
+    first slope, and of others until that has taken ``LONGEST``; and which of them limit equilibrium contradicts."""
+    by_finding: dict[Finding, list[str]] = {}
+    spent, unsearched = 0.0, list[str]()
+    for groups in _standing(scenes, tested) if searches else ():
+        names = [name for group in groups for name in group]
+        scene = scenes[names[0]]
+        if spent > LONGEST:
+            unsearched += names
+            continue
+        try:
+            spacings = search_spacings(scene)
+            limits = [of_limit(code, scene, QUICK_TOLERANCE, spacings) for code in searches]
+        except ValueError as error:
+            limits = [finding("stability-unknown", subject=code, reason=str(error)) for code in searches]
+        for limit in limits:
+            tests = (limit.numbers.get(name, most) for name, most in zip(("coarse_tests", "fine_tests"), QUICK_TRIALS, strict=True))
+            spent += search_seconds(scene, list(tests))
+        for each in (*limits, *equilibrium.that_differ(scene, [limit for limit in limits if "value" in limit.numbers])):
+            say(f"{names[0]}: {line(each)}")
+            by_finding.setdefault(each, []).extend(names)
     if unsearched:
         by_finding[finding("stability-unknown", subject="limits of further slopes")] = unsearched
     return _rows(by_finding)
+
+
+def _standing(scenes: Mapping[str, Scene], tested: Sequence[Row]) -> list[list[list[str]]]:
+    """The runs of each slope that does not fall as ``tested``, by residual strength."""
+    slopes: dict[str, list[list[str]]] = {}
+    for (peak_key, _), names in _slopes(scenes).runs.items():
+        slopes.setdefault(peak_key, []).append(names)
+    falling = {row.worst_run for row in tested if row.finding.code == "fails-unshaken"}
+    return [groups for groups in slopes.values() if groups[0][0] not in falling]
 
 
 def _rows(by_finding: Mapping[Finding, Sequence[str]]) -> list[Row]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -309,6 +310,19 @@ def test_the_motions_of_a_study_are_told_as_they_are_used(tmp_path: Path, monkey
     assert told["rows"][f"PGA of {slow}"] == "horizontal 1 m/s2 (0.102 g) to horizontal 2 m/s2 (0.204 g)"
     assert "PGA" not in told["rows"] and told["motions"][slow] == []
     assert "short-waves" in {each["code"] for each in told["motions"][fast]}
+
+
+def test_levels_of_a_record_keep_their_unit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.1g is 0.981 m/s2, which without a unit might be meant in g; ``sph check`` of a study refused it."""
+    monkeypatch.chdir(tmp_path)
+    Path("quake.csv").write_text("time (s),ax (m/s2)\n" + "\n".join(f"{0.02 * n:.2f},{1.5 * math.sin(0.3 * n):.4f}" for n in range(100)))
+    shaken = SOUND | {"duration": 6.0, "motion": {"kind": "record", "file": "quake.csv", "start": 3.0, "baseline": {}}}
+    Path("sound.yaml").write_text(yaml.safe_dump(shaken))
+    grid = {"amplitude": ["0.1g", "0.2g"], "motion.factor": ["1", "-1"]}
+    Path("study.yaml").write_text(yaml.safe_dump({"study": "own", "scene": "sound.yaml", "grid": grid}))
+    checked = call("check", "study.yaml", "--json")
+    assert checked.exit_code == 0, checked.output
+    assert all("0.981 m/s2" in said for name, said in json.loads(checked.stdout)["rows"].items() if name.startswith("PGA of"))
 
 
 def test_the_alternatives_are_drawn_below_the_scene_as_it_is() -> None:

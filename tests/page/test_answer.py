@@ -16,7 +16,7 @@ from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import _by_both, held_back, lead, surer_with
 from sph.page.build import farthest
-from sph.page.facts import at_residual, fails_in_weakest, unshaken, yearly
+from sph.page.facts import at_residual, fails_below, fails_in_weakest, unshaken, yearly
 from sph.page.levels import levels, widths
 from sph.page.places import at_a_glance, at_places
 from sph.page.second_spacing import differs, with_second_class
@@ -216,8 +216,13 @@ def test_ground_that_moves_at_a_place_is_told_whether_or_not_debris_comes() -> N
 
 
 def test_how_far_others_would_go_is_beside_the_run_out() -> None:
-    runs = RUNS.assign(energy_line_runout=[70.0, 44.0, 40.0] * 2, corominas_runout=11.0, runout=[0.0, 2.0, 3.0] * 2)
-    assert "3.00 m beyond the toe (energy line 40.0 m, mean of past slides 11.0 m)" in lead(runs, [])
+    runs = RUNS.assign(corominas_runout=11.0, runout=[0.0, 2.0, 3.0] * 2)
+    runs["energy_line_runout"] = [70.0, 44.0, 29.0] * 2
+    assert "3.00 m beyond the toe (energy line 29.0 m, mean of past slides 11.0 m)" in lead(runs, [])
+    assert "3.00 m beyond the toe (energy line 29.0 m)" in lead(runs.assign(corominas_runout=0.0), []), (
+        "no more than that it passes the toe"
+    )
+    assert "3.00 m beyond the toe (mean of past slides 11.0 m)" in lead(runs.assign(energy_line_runout=701.5), []), "without friction"
     assert "3.00 m beyond the toe (mean of past slides 11.0 m)" in lead(runs.assign(energy_line_runout=math.nan), [])
     assert "beyond the toe" not in lead(runs.assign(runout=0.0), [])
 
@@ -252,6 +257,14 @@ def test_weaker_shaking_is_asked_for_where_the_slope_fails_in_all_that_was_run()
     fails = RUNS.assign(collapse_class=["stable", "minor", *["collapse"] * 4])
     assert fails_in_weakest(fails) and not fails_in_weakest(fails.assign(collapse_class=["stable"] * 2 + ["collapse"] * 4))
     assert not fails_in_weakest(fails.assign(status="failed_unshaken")) and not fails_in_weakest(fails.drop(columns="amplitude"))
+
+
+def test_failure_below_the_yield_acceleration_is_seen() -> None:
+    weakest = RUNS["amplitude"].astype(float).min()
+    assert not fails_below(RUNS, weakest) and not fails_below(RUNS.drop(columns="amplitude"), 99.0)
+    failing = RUNS.loc[RUNS["collapse_class"] != "stable", "amplitude"].astype(float).min()
+    assert fails_below(RUNS, failing + 0.1) and not fails_below(RUNS, failing)
+    assert not fails_below(RUNS.assign(status="failed_unshaken"), 99.0)
 
 
 def test_thin_debris_is_counted_and_a_finer_spacing_asked_for() -> None:

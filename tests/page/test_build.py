@@ -285,7 +285,7 @@ def test_what_nobody_has_measured_is_named_below_the_answer(study: StudyFiles) -
     assumed = {"coupling.softening": "strength is lost within 100 mm", "soil.K0": "0.43"}
     words = Words(build_page(study._replace(assumed=assumed))).text
     assert "Assumed, not measured: strength is lost within 100 mm; and 1 more" in words and "soil.K0" in words
-    assert "Surer with: shear tests of the slip at which strength is lost" in words
+    assert "More certain with: shear tests of the slip at which strength is lost" in words
     assert "soil.K0" not in Words(build_page(study._replace(assumed=assumed, client=True))).text
     assert "Assumed, not measured" not in Words(build_page(study)).text
 

@@ -49,6 +49,7 @@ from sph.study.preflight import (
     search_spacings,
     standing_scene,
     stop_for_errors,
+    study_equilibrium,
     study_findings,
     study_limits,
     study_stability,
@@ -79,7 +80,7 @@ def scene(**settings: Any) -> Scene:
 def of_study(scenes: Mapping[str, Scene], say: Callable[[str], None], searches: Sequence[str] = tuple(QUESTIONS)) -> list[Row]:
     """What is tested and searched beside the runs of a study."""
     rows = study_stability(scenes, say)
-    return rows + study_limits(scenes, rows, say, searches)
+    return rows + study_equilibrium(scenes, rows, say) + study_limits(scenes, rows, say, searches)
 
 
 def found(acceleration: np.ndarray) -> list[str]:
@@ -226,14 +227,14 @@ def test_each_slope_and_each_residual_strength_is_tested_once(known: float, monk
         ("limit-equilibrium-residual", 2, "0.3-1.0"),
         ("stands-at-residual", 2, "0.9-1.0"),
         ("limit-equilibrium-residual", 2, "0.9-1.0"),
-        ("factor-of-safety", 4, "0.3-1.0"),
         ("limit-equilibrium", 4, "0.3-1.0"),
+        ("factor-of-safety", 4, "0.3-1.0"),
     ]
     assert len(said) == 8, "a slope and the strength it uses, two residual strengths by both, a search, limit equilibrium beside it"
     (found,) = searched
     assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(UNASKED_RATIO)
     assert all(search.upper - search.lower <= QUICK_TOLERANCE * search.value for search in found.searches)
-    assert words(rows[6].finding).measured == f"{found.value:.2f} ± {found.error:.2f}, {found.how}"
+    assert words(rows[7].finding).measured == f"{found.value:.2f} ± {found.error:.2f}, {found.how}"
 
 
 def test_each_slope_is_searched_and_a_factor_within_its_error_of_one_is_a_warning(known: float) -> None:

@@ -7,7 +7,7 @@ from sph.study.searches import slope_searches
 
 
 rule check:
-    """Test whether the slopes stand unshaken: begun first, beside the runs, since an error stops the study."""
+    """Test whether the slopes stand unshaken, and by limit equilibrium: begun first, beside the runs, since an error stops the study."""
     output:
         f"{RESULTS}/checked.csv",
     log:

@@ -1,4 +1,4 @@
-"""Test the slopes of a study without shaking, beside its runs."""
+"""Test the slopes of a study without shaking, and by limit equilibrium, beside its runs."""
 
 from collections.abc import Mapping
 from typing import TextIO
@@ -6,7 +6,7 @@ from typing import TextIO
 from sph.checks.messages import line
 from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned, digest
-from sph.study.preflight import stop_for_errors, study_findings, study_stability, tell, write_preflight
+from sph.study.preflight import stop_for_errors, study_equilibrium, study_findings, study_stability, tell, write_preflight
 
 
 def check(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, tested: bool, stops: bool) -> None:
@@ -24,7 +24,9 @@ def check(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: i
     tell(stability)
     if stops:
         stop_for_errors(rows + stability)
-    write_preflight(path_to_csv, rows + stability)
+    limits = study_equilibrium(scenes, stability, lambda line: print(line, file=log, flush=True))
+    tell(limits)
+    write_preflight(path_to_csv, rows + stability + limits)
 
 
 if __name__ == "__main__":
