@@ -140,6 +140,9 @@ def new(
         list[str] | None,
         typer.Option(metavar="A,...", help="scale every record to this peak acceleration, as 0.35g; to each of several, as 0.2g,0.35g"),
     ] = None,
+    design: Annotated[
+        str | None, typer.Option(metavar="A", help="that one of these accelerations which the page answers first; otherwise the largest")
+    ] = None,
     component: Component = None,
     unit: Unit = None,
     place: Annotated[
@@ -172,7 +175,7 @@ def new(
     from sph.command.new import new
 
     records = [*([first] if first else ()), *(record or ())]
-    return new(ground, slope, records, scale_to, component, unit, cover, soil, below, water, place, alternative, softening, out)
+    return new(ground, slope, records, scale_to, design, component, unit, cover, soil, below, water, place, alternative, softening, out)
 
 
 @command(

@@ -64,6 +64,7 @@ class Known(NamedTuple):
     alternatives: Mapping[str, float] = {}
     """drained: depth of the water, m, or by how much a line is lowered; berm: its height, m; reinforced: cohesion, kPa"""
     softening: Mapping[str, float | str] = {}  # loss of strength with slip, by the keys of a scene
+    design: str = ""  # that one of the peaks which the page answers first
 
     @property
     def own_soil(self) -> dict[str, float]:

@@ -163,6 +163,7 @@ study: {name}
 scene: {scene}
 fidelity: own
 second_fidelity: {second}
+design: {design} # amplitude that the page answers first, one of these; null: the largest
 grid: # every combination is run
 {grid}
 fidelities:
@@ -209,6 +210,7 @@ def new(
     slope: str | None,
     records: Sequence[Path],
     scale_to: list[str] | None,
+    design: str | None,
     component: str | None,
     unit: str | None,
     cover: float | None,
@@ -236,7 +238,7 @@ def new(
         records,
         component,
         (read(parse_treatment, unit, None, None) or {}).get("unit"),
-        [read(read_peak, peak) for text in scale_to or () for peak in text.split(",")],
+        [read(read_peak, peak) for text in (*(scale_to or ()), *([design] if design else ())) for peak in text.split(",")],
         cover,
         read(read_numbers, soil, "--soil") or {},
         read(read_numbers, below, "--below") or {},
@@ -244,6 +246,7 @@ def new(
         read(parse_values, place, "--place") or {},
         read(read_numbers, alternative, "--alternative") or {},
         read(read_softening, softening) or {},
+        (read(read_peak, design) if design else None) or "",
     )
     if wrong:
         refuse([*wrong, *refused(known)])
@@ -369,7 +372,7 @@ def _section(known: Known, folder: Path, ahead: float = 0.0) -> _Section:
         filled = berm(line, high)
         for name, at in known.places.items():
             if -filled.back < beyond_toe(at, line) < filled.foot:
-                raise ValueError(f"would cover {name}, with its foot {filled.foot:.3g} m beyond the toe; give a lower one")
+                raise ValueError(f"would cover {name}, with its foot {filled.foot:.3g} m beyond the toe; give a lower one, or leave it out")
     except ValueError as error:
         filled = None
         if "berm" in asked:
@@ -489,6 +492,7 @@ def _facts(known: Known, section: _Section, of_rows: Mapping[str, Any], folder: 
         "softening": f"{_flow(softening)}{' # ASSUMED' * (not known.softening)}",
         "start": START,
         "file": ", ".join(f"{key}: {quoted(value)}" for key, value in record.items() if value),
+        "design": quoted(known.design) if known.design else "null",
         "places": f"metrics: {{places: {{{places}}}}}" if places else "# metrics: {places: {house: 15 beyond the toe}}",
         "alternatives": "\n".join(_alternatives(known, section, folder)),
     }

@@ -85,7 +85,7 @@ class SoFar:
             StudyFiles(
                 study.study, study.fidelity, self.folder, table, layout, self.plan.dimensions, len(study.runs), shown, scenes, [], files,
                 sections=[], metrics=study.metrics, client=study.page == "client", project=study.project,
-                author=study.author, assumed=study.assumed, alternatives=study.alternatives, missing=self.missing,
+                author=study.author, assumed=study.assumed, alternatives=study.alternatives, design=study.design, missing=self.missing,
                 to_come=self._to_come(found, len(searches)), renewed=RENEWED if growing and self.missing else 0,
             ),
         )  # fmt: skip

@@ -11,7 +11,7 @@ import sph
 from sph.experiments.registry import load_study
 from sph.jobs.catalogue import FILE, Catalogue
 from sph.scene.configuration import merge, read_yaml
-from sph.study.plan import Plan
+from sph.study.plan import OWNER, Plan
 from sph.study.sampling import chosen_study
 
 CONFIGURATION = Path("config", "config.yaml")
@@ -38,7 +38,11 @@ def find_study(given: Path | None, configfile: Path | None = None, started: bool
         raise ValueError(f"{shipped}: no such file; go to the folder the study was started in, or give its configuration or results folder")
     data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
     if place and configfile is None and data.get("study") != place.parent.name:
-        configfile = _configuration_of(place.parent.name, base)
+        found = _configurations_of(place.parent.name, base)
+        if len(found) > 1:
+            listed = ", ".join(str(path.relative_to(base)) for path in found)
+            raise ValueError(f"{given}: several files are configurations of this study: {listed}; give the one with --configfile")
+        configfile = found[0] if found else None
     if configfile:
         own = read_yaml(configfile)
         data = chosen_study(merge(data, own), own)
@@ -59,11 +63,14 @@ def _started_last(plan: Plan, base: Path) -> str:
     return max(written, key=lambda path: path.stat().st_mtime).parent.name if written else plan.study.fidelity
 
 
-def _configuration_of(study: str, base: Path) -> Path | None:
-    """The only file at most two folders below where a study was started that names the study; None where there is none, or more."""
-    named = []
+def _configurations_of(study: str, base: Path) -> list[Path]:
+    """The files at most two folders below where a study was started that name it; of several those whose scene its results are of."""
+    named = dict[Path, Any]()
     for path in (path for depth in ("", "*/", "*/*/") for path in base.glob(f"{depth}*.y*ml")):
         with suppress(ValueError):
-            if read_yaml(path).get("study") == study:
-                named.append(path)
-    return named[0] if len(named) == 1 else None
+            data = read_yaml(path)
+            if data.get("study") == study:
+                named[path] = data.get("scene")
+    owner = base / "results" / study / OWNER
+    own = [path for path, scene in named.items() if scene == owner.read_text(encoding="utf-8").strip()] if owner.is_file() else []
+    return own or list(named)

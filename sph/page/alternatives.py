@@ -248,8 +248,9 @@ def _which(outcomes: Mapping[str, bool | None], verb: str, what: str) -> list[st
 
 def saved(base: Mapping[Any, Any], own: Mapping[Any, Any], length: str = "displacement_magnitude") -> str:
     """How much less an alternative moves or runs out than the scene as it is, in m and percent; where one of them is a lower bound, what
-    is known.  Run-outs of debris are compared where the study has a place, since that of a berm begins at its foot."""
+    is known.  Run-outs of debris are compared at the farthest place of the study, since that of a berm begins at its foot."""
     columns = [column_of(place, PASSED) for place in places_in(base)] if length == "runout" and has_debris(own) else []
+    columns.sort(key=lambda column: float(base[column]))
     less = next((by for column in columns if not math.isnan(by := float(base[column] - own[column]))), float(base[length] - own[length]))
     share = 100.0 * less / float(base[length]) if base[length] > 0.0 else 0.0
     words = f"{metres(abs(less))} m ({abs(share):.0f} %)" + MORE * (less < 0.0)

@@ -46,7 +46,7 @@ from sph.scene.scheme import SOFTENING
 from sph.scene.units import in_both
 from sph.stability.record import SAFETY, SEARCHES, YIELD
 from sph.storage.trajectory import Status
-from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, BASE, CASE, SPACING, Dimension, shown_unit, title_of
+from sph.study.dimensions import ALTERNATIVE, AMPLITUDE, BASE, CASE, SAME_LEVEL, SPACING, Dimension, shown_unit, title_of
 from sph.study.preflight import Row, read_preflight
 from sph.study.tables import EXPECTED
 
@@ -105,16 +105,17 @@ def answer(
     assumed: Collection[str] = (),
     alternatives: Mapping[str, Mapping[str, Any]] | None = None,
     again: pd.DataFrame | None = None,
+    design: float | None = None,
 ) -> Answer:
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
 
     That for a ``client`` names no commands and keys, neither of the scene's that are ``assumed`` nor of ``alternatives``.  Of runs that are
     still ``missing`` in the table nothing is said; ``to_come`` are the codes of findings that are still searched; ``again`` is the table of
-    the runs at a second spacing.
+    the runs at a second spacing, ``design`` the amplitude (m/s2) that is answered first.
     """
     size = len(table) + missing
     rows = [row for file in found(FINDINGS) or found(CHECKED) for row in read_preflight(file)]
-    own = as_it_is(table)
+    own, first = as_it_is(table), up_to(table, design)
     findings = [row.finding for row in [row for row in rows if row.worst_run in own.index] or rows]  # not those of alternatives
     why = held_back(table, rows)
     weaker = "it fails in the weakest shaking that was run" + "; add weaker levels to the study's amplitude" * (not client)
@@ -149,19 +150,20 @@ def answer(
         ("Without shaking", *_unless(to_come, STANDS, unshaken(table, rows, missing, by_slices["spencer"] if by_slices else math.inf))),
         *limits,
     ]
-    more = [*when(strongest(own), probe), *at_residual(rows), *unknown, *answer_spacing(again, size, why)]
-    doubted = contradicted(as_it_is(strongest(table)), rows)
+    more = [*when(strongest(as_it_is(first)), probe), *at_residual(rows), *unknown, *answer_spacing(again, size, why)]
+    doubted = contradicted(as_it_is(strongest(first)), rows)
     errors = table.loc[table["diverged"] == 0, [row.name for row in EXPECTED]]
     alike = len(errors.drop_duplicates()) <= 1
     expected, why_unknown = (
         expected_words(scene) if alike else (f"known for {len(errors.dropna(how='all'))} of {len(errors)} runs, see all runs", "")
     )
     alarms = drifts(again, probe, _points(table, dimensions))
-    beside = "" if doubted else " ".join(filter(None, (verdict(strongest(table), doubts(table, rows)), holding(table))))
+    beside = "" if doubted else " ".join(filter(None, (verdict(strongest(first), doubts(table, rows)), holding(first))))
+    beyond = lead(table, []) if len(first) < len(table) else ""
     return Answer(
-        [_raised(words) for words in (lead(table, rows, why, missing), beside) if words],
+        [_raised(words) for words in (lead(first, rows, why, missing, len(table)), beside, beyond) if words],
         at_a_glance(table, bool(doubted)),
-        [_table_raised(each) for each in at_places(table, why, bool(doubted))],
+        [_table_raised(each) for each in at_places(first, why, bool(doubted))],
         [(name, _raised(words), _raised(how)) for name, words, how in facts if not (client and words in (NOT_TESTED, NOT_SEARCHED))],
         [(name, _raised(words), _raised(how)) for name, words, how in more],
         [
@@ -190,15 +192,16 @@ def _unless(to_come: Collection[str], code: str, said: tuple[str, str]) -> tuple
     return (TO_COME, "") if code in to_come and said[0] in (NOT_TESTED, NOT_SEARCHED) else said
 
 
-def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0) -> str:
+def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "", missing: int = 0, done: int = 0) -> str:
     """Whether the slopes stand without shaking, and in the strongest shaking of the study how many runs fail and how far the debris goes.
-    Where runs are ``missing`` it begins with that."""
-    said, size = list[str](), len(table) + missing
+    Where runs are ``missing`` it begins with that; ``done`` are those of the whole study, if these are fewer."""
+    done = done or len(table)
+    said, size = list[str](), done + missing
     if missing:
-        said.append(f"So far {len(table)} of {runs_said(size)} are done, and what is said here is of these alone")
+        said.append(f"So far {done} of {runs_said(size)} are done, and what is said here is of these alone")
     if falls := falling(table, rows):
         codes = {row.finding.code for row in rows}
-        counted = size if FALLS in codes else len(table)
+        counted = size if FALLS in codes else done
         where = "" if falls == counted else f" in {falls} of {counted} runs"
         if STANDS in codes and FALLS not in codes:
             softens = f"soil yields and softens before the shaking{where}, so the earthquake is not the only cause"
@@ -286,6 +289,14 @@ def contradicted(runs: pd.DataFrame, rows: Sequence[Row]) -> list[Row]:
 def strongest(table: pd.DataFrame) -> pd.DataFrame:
     """The runs in the strongest shaking; all where it is one."""
     return table[table[AMPLITUDE] == max(table[AMPLITUDE], key=float)] if AMPLITUDE in table else table
+
+
+def up_to(table: pd.DataFrame, design: float | None) -> pd.DataFrame:
+    """The runs in shaking up to an amplitude, m/s2, which is then the strongest; all without one, and where none of it is done."""
+    if design is None or AMPLITUDE not in table:
+        return table
+    weaker = table[table[AMPLITUDE].astype(float) <= design * (1.0 + SAME_LEVEL)]
+    return table if weaker.empty else weaker
 
 
 def as_it_is(table: pd.DataFrame) -> pd.DataFrame:

@@ -20,14 +20,14 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 from PIL import Image
 
-from sph.checks.after_run import is_bounded
+from sph.checks.after_run import held, is_bounded
 from sph.checks.equilibrium import found_equilibrium
 from sph.experiments.variants.second_spacing import read_spacing
 from sph.figures import caption as caption_of
 from sph.figures.arrangement import failed_words
 from sph.figures.before_after import NARROW, WIDE, figure_before_after
 from sph.figures.style import DPI, NOTHING, WIDTH
-from sph.measures.metrics import CLASSES, MetricSettings, class_words
+from sph.measures.metrics import CLASSES, STABLE, MetricSettings, class_words
 from sph.measures.places import PlaceAt
 from sph.output.run import Run
 from sph.page.answer import SPACINGS, answer, as_it_is, strongest
@@ -84,6 +84,7 @@ class StudyFiles(NamedTuple):
     author: str = ""
     assumed: Mapping[str, str] = {}  # what of the scene nobody has measured, by its key
     alternatives: Mapping[str, Mapping[str, Any]] = {}  # scene keys of each
+    design: float | None = None  # amplitude that is answered first, m/s2; None: the largest
     missing: Mapping[str, Missing] = {}  # runs that are not done yet, and so not in the table, by name
     to_come: Sequence[str] = ()  # codes of the findings that are still searched
     renewed: int = 0  # seconds after which the page is to be read again, since it grows; 0: it is finished
@@ -195,7 +196,10 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     keys = scene_table(scene, varied)
     over = [found.phrase for found in study.dimensions]
 
-    first, cells = farthest(table), matrix(_with_missing(whole_table, study), study.dimensions, study.probe, list(table.index))
+    first, cells = (
+        farthest(table),
+        matrix(_with_missing(whole_table, study), study.dimensions, study.probe, list(table.index), study.design),
+    )
     page = template().render(
         study=study,
         scene=scene,
@@ -215,6 +219,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
             study.assumed,
             study.alternatives,
             again,
+            study.design,
         ),
         overview=None
         if first is None
@@ -225,6 +230,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         opens={} if first is None else {"run": first, **table.loc[first, axes].to_dict()},
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),
+        may_fail=int(((whole_table["collapse_class"] == STABLE) & held(whole_table)).sum()),
         over=over,
         axes=[]
         if listed

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 import pandas as pd
 from matplotlib.colors import to_hex, to_rgb
 
-from sph.checks.after_run import at_least, is_at_least
+from sph.checks.after_run import at_least, is_at_least, is_held
 from sph.figures.study import arranged
 from sph.figures.style import LEAST, class_colours, metres
-from sph.measures.metrics import CLASSES
+from sph.measures.metrics import CLASSES, STABLE
 from sph.measures.places import places_in
 from sph.page.second_spacing import differs
 from sph.storage.trajectory import Status
-from sph.study.dimensions import Dimension
+from sph.study.dimensions import AMPLITUDE, SAME_LEVEL, Dimension
 
 MAX_CELLS = 80
 """Most runs of which each has a cell."""
@@ -24,9 +24,11 @@ MAX_BESIDE = 4
 """Most columns beside a wide picture."""
 DECIDES = "*"
 """Marks a run that stands at one of two spacings and fails at the other."""
+HATCHED = "repeating-linear-gradient(135deg, #ffffff 0 7px, #d9d9d9 7px 9px)"
+"""Paper of runs that stand and may not, which is not that of those that are known to stand."""
 LEGIBLE = 0.4
 """Luminance from which on text on a colour is dark."""
-DIVERGED, UNSHAKEN, TO_COME = "diverged", "fails unshaken", "still to come"
+DIVERGED, UNSHAKEN, TO_COME, MAY_FAIL = "diverged", "fails unshaken", "still to come", "stands with few rows, may fail"
 """Classes of cells besides those of the metric."""
 
 
@@ -63,9 +65,11 @@ class Matrix(NamedTuple):
         return max(len(panel.head) for panel in self.panels) > MAX_BESIDE
 
 
-def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, shown: Sequence[str]) -> Matrix | None:
+def matrix(
+    table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, shown: Sequence[str], design: float | None = None
+) -> Matrix | None:
     """The matrix of a study's ``table``, whose index are the names of runs, of which the page has those ``shown`` and some may have the
-    class ``TO_COME``; None for a list of runs, and where there are too many."""
+    class ``TO_COME``; None for a list of runs, and where there are too many.  The amplitude of the ``design`` (m/s2) is marked."""
     found = arranged(table, dimensions, len(table))
     if not found.grid or len(table) > MAX_CELLS:
         return None
@@ -76,7 +80,11 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
         if (other := found.other) is not None:
             groups = runs.groupby(other.name, sort=False)
             rows = [(other.said(str(value)), _cells(of, along, head, shown)) for value, of in groups]
-        panels.append(Panel(title, list(map(along.shown, head)), rows))
+        of_design = [
+            along.name == AMPLITUDE and design is not None and math.isclose(float(value), design, rel_tol=SAME_LEVEL) for value in head
+        ]
+        heads = [along.shown(value) + ", design" * mark for value, mark in zip(head, of_design, strict=True)]
+        panels.append(Panel(title, heads, rows))
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
     done = table[table["collapse_class"] != TO_COME]
     unknown = bool((at_least(done) & (done["displacement_magnitude"] < LEAST)).any())
@@ -105,6 +113,8 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
         return Cell(name, "×", DIVERGED, "diverged: no results", name in shown)
     if row["status"] == Status.FAILED_UNSHAKEN:
         kind = UNSHAKEN
+    elif kind == STABLE and is_held(row):
+        kind = MAY_FAIL
     bounded, moved = is_at_least(row), row["displacement_magnitude"]
     said = kind if math.isnan(row["runout"]) else f"{kind}; run-out {metres(row['runout'], bounded)} m"  # a block has none
     goes = metres(row["runout"], bounded) if row["runout"] > 0.0 and places_in(map(str, row)) else ""
@@ -114,7 +124,8 @@ def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
 def _colours() -> dict[str, tuple[str, str]]:
     colours = dict(zip(CLASSES, class_colours(), strict=True))
     papers = {name: to_hex(colour) for name, colour in colours.items()} | {UNSHAKEN: "#c9ced6", DIVERGED: "#ffffff", TO_COME: "#ffffff"}
-    return {name: (paper, "#000000" if _luminance(paper) > LEGIBLE else "#ffffff") for name, paper in papers.items()}
+    inks = {name: (paper, "#000000" if _luminance(paper) > LEGIBLE else "#ffffff") for name, paper in papers.items()}
+    return {STABLE: inks[STABLE], MAY_FAIL: (HATCHED, "#000000"), **inks}
 
 
 def _luminance(colour: str) -> float:

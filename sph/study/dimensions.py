@@ -50,6 +50,8 @@ AXES = tuple(each.axis for each in SHORT_NAMES.values())
 """The same in a study's tables."""
 AMPLITUDE = "amplitude"
 """The dimension of the shaking."""
+SAME_LEVEL = 1e-3
+"""Relative difference of amplitudes that are one level of shaking, written in g or in m/s2."""
 ALTERNATIVE, BASE = "alternative", "base"
 """Dimension of a study with alternatives, and its value for the scene as it is."""
 AS_IT_IS = "as it is"

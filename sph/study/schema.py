@@ -21,11 +21,13 @@ from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, key, validated
 from sph.scene.names import check_known
 from sph.scene.scheme import has_key
+from sph.scene.units import Acceleration, in_both
 from sph.study.dimensions import (
     ALTERNATIVE,
     AMPLITUDE,
     BASE,
     CASE,
+    SAME_LEVEL,
     SPACING,
     Value,
     Values,
@@ -133,6 +135,13 @@ class Study(Section):
         "fails; null: none",
         default=None,
     )
+    design: Acceleration | None = key(
+        "amplitude of the shaking that the page answers first, one of those of the runs; null: the largest",
+        "m/s2",
+        default=None,
+        gt=0,
+        le=100,
+    )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
     searches: Literal["full", "quick", "none"] = key(
         "what is found of the unshaken slopes beside the runs; none: limit equilibrium alone; quick: also static tests and the factor of "
@@ -203,6 +212,14 @@ class Study(Section):
                     raise ValueError(
                         f"cases: case {number} sets {', '.join(case)}, the first {', '.join(self.cases[0])}; all must set the same keys"
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _design_run(self) -> Study:
+        levels = [float(value) for value in self.values.get(AMPLITUDE, ()) if is_number(value)] if self.design is not None else []
+        if self.design is not None and not any(math.isclose(level, self.design, rel_tol=SAME_LEVEL) for level in levels):
+            those = ", ".join(map(in_both, sorted(set(levels)))) or "none"
+            raise ValueError(f"design: {in_both(self.design)}: must be one of the amplitudes of the runs, which are {those}")
         return self
 
     @model_validator(mode="after")

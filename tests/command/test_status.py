@@ -412,7 +412,15 @@ def test_the_configuration_of_a_folder_of_results_is_found_by_the_name_of_its_st
     assert shown.exit_code == 0 and "results/mine/draft" in shown.stdout, shown.output
     (study.base / "second.yaml").write_text("study: mine\n")
     refused = call(study.base / "results" / "mine" / "draft")
-    assert refused.exit_code == REFUSED and "give the configuration of this one with --configfile" in refused.stderr
+    both = "several files are configurations of this study: second.yaml, config/studies/mine.yaml; give the one with --configfile"
+    assert refused.exit_code == REFUSED and both in refused.stderr
+    # A copy of the study with another scene is not that of these results.
+    scene = yaml.safe_load((study.base / "config" / "config.yaml").read_text())["scene"]
+    (study.base / "config" / "studies" / "mine.yaml").write_text(f"study: mine\nscene: {scene}\ngrid: {{S_R: [0.5]}}\n")
+    (study.base / "results" / "mine" / "scene_file.txt").parent.mkdir(parents=True, exist_ok=True)
+    (study.base / "results" / "mine" / "scene_file.txt").write_text(f"{scene}\n")
+    again = call(study.base / "results" / "mine" / "own")
+    assert again.exit_code == 0, again.output
 
 
 def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

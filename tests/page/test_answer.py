@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from synthetic import study_row
 
 from sph.checks.after_run import has_thin_debris
 from sph.checks.cover_rows import SCATTER
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import _by_both, held_back, lead, surer_with
+from sph.page.answer import _by_both, answer, held_back, lead, surer_with, up_to
 from sph.page.build import farthest
 from sph.page.facts import at_residual, fails_below, fails_in_weakest, unshaken, yearly
 from sph.page.levels import levels, widths
 from sph.page.places import at_a_glance, at_places
 from sph.page.second_spacing import differs, with_second_class
+from sph.scene.schema import load_scene
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
 from sph.study.tables import write_csv
@@ -257,6 +260,19 @@ def test_weaker_shaking_is_asked_for_where_the_slope_fails_in_all_that_was_run()
     fails = RUNS.assign(collapse_class=["stable", "minor", *["collapse"] * 4])
     assert fails_in_weakest(fails) and not fails_in_weakest(fails.assign(collapse_class=["stable"] * 2 + ["collapse"] * 4))
     assert not fails_in_weakest(fails.assign(status="failed_unshaken")) and not fails_in_weakest(fails.drop(columns="amplitude"))
+
+
+def test_the_design_level_is_answered_before_stronger_shaking() -> None:
+    levels_of = (("2.0", "stable"), ("3.0", "stable"), ("6.0", "collapse"))
+    table = pd.DataFrame([study_row("0.1", "100", level, collapse_class=name) for level, name in levels_of])
+
+    def lines(design: float | None) -> Sequence[str]:
+        return answer(table, [], load_scene("config/scenes/paper.yaml"), "A", lambda pattern: [], design=design).lead
+
+    first, last = lines(3.001)
+    assert first == "At 3 m/s² (0.306 g) no run fails." and last.startswith("At 6 m/s² (0.612 g) the slope collapses")
+    assert lines(None) == lines(6.0) == [last]
+    assert up_to(table, 1.0) is table, "nothing of it is done"
 
 
 def test_failure_below_the_yield_acceleration_is_seen() -> None:

@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from synthetic import study_row
 
 from sph.measures.metrics import CLASSES
-from sph.page.matrix import DIVERGED, MAX_CELLS, UNSHAKEN, Cell, matrix
+from sph.page.matrix import DIVERGED, MAX_CELLS, MAY_FAIL, UNSHAKEN, Cell, matrix
 from sph.page.second_spacing import with_second_class
 from sph.study.dimensions import Dimension, short_names
 
@@ -92,6 +92,16 @@ def test_what_a_cell_says_of_its_run() -> None:
     ]  # fmt: skip
     assert cells[3].said == "collapse; run-out ≥ 3.00 m" and isinstance(cells[0], Cell)
     assert list(found.colours) == ["stable", "collapse", UNSHAKEN, DIVERGED], "the key has the classes that there are"
+
+
+def test_a_run_that_stands_for_lack_of_rows_has_not_the_colour_of_one_that_stands() -> None:
+    table = a_study(("0.1",), ("1",), ("1.0", "2.0", "3.0")).assign(collapse_class=["stable", "stable", "collapse"])
+    table["findings"] = ["cover-late", "", "cover-late"]
+    found = matrix(table, DIMENSIONS, "A", [], design=2.0005)
+    assert found is not None and list(found.colours) == ["stable", MAY_FAIL, "collapse"]
+    ((_, cells),) = found.panels[0].rows
+    assert [cell.kind for cell in cells] == [MAY_FAIL, "stable", "collapse"] and "gradient" in found.colours[MAY_FAIL][0]
+    assert list(found.panels[0].head) == ["1.0 (0.102 g)", "2.0 (0.204 g), design", "3.0 (0.306 g)"]
 
 
 def test_no_matrix_of_a_list_nor_of_a_large_study() -> None:

@@ -180,6 +180,11 @@ def test_the_table_sets_alternatives_beside_the_scene_as_it_is() -> None:
     fails = ["stable", "collapse", "stable", "minor", "stable", "collapse"]
     (berm,) = compared(table_of(collapse_class=fails, house_passed=[-11.0, 1.0, 2.0, -8.0, -4.0, 0.0]), DIMENSIONS, "A")
     assert berm.rows[2][-1] == "1.00 m (8 %)", "its foot lies 11 m beyond the toe, where its debris is"
+    past = {f"{place}_{name}": [0.0] * 6 for place in ("bench", "house") for name in ("reached", "depth", "peak_depth", "arrival")}
+    past |= {"house_passed": [-11.0, 1.0, 2.0, -8.0, -4.0, 0.0], "bench_passed": [9.0, 30.0, 30.0, 10.0, 10.0, 33.0]}
+    both = table_of(collapse_class=fails, **past)
+    (berm,) = compared(both[sorted(both.columns)], DIMENSIONS, "A")
+    assert berm.rows[2][-1] == "1.00 m (8 %)", "at the farthest place, whichever the study names first"
     assert "farther than" not in found.note
     (deeper,) = compared(table_of(displacement_magnitude=[0.5, 10.0, 0.6, 12.0, 0.51, 0.1]), DIMENSIONS, "A")
     assert "With drained A moves farther than as it is, by more than 10 %, in 2 of 2 runs." in deeper.note and "buttress" not in deeper.note

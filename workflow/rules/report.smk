@@ -85,6 +85,7 @@ rule page:
                 "author": PLAN.study.author,
                 "assumed": PLAN.study.assumed,
                 "alternatives": PLAN.study.alternatives,
+                "design": PLAN.study.design,
                 "shown": {
                     figure: [run.file for run in PLAN.figure_runs(figure)]
                     for figure in PLAN.study.figure_files
