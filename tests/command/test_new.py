@@ -19,6 +19,7 @@ from sph.checks.scene import PLACEHOLDER, findings
 from sph.command.cli import app
 from sph.command.known import Known
 from sph.command.new import AFTER, SPRING, Written, write_new
+from sph.scene.gravity import GRAVITY
 from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.scene.scheme import SOFTENING
@@ -273,7 +274,11 @@ def test_several_levels_of_shaking_and_a_place_behind_the_crest_are_of_the_study
     told = CliRunner().invoke(app, ["new", "--slope", "28,32", "--record", "A.csv", *several, "--out", "own"])
     assert told.exit_code == 0, told.output
     study = load_study(Path("own/study.yaml")).study
-    assert study.values["amplitude"] == ("1.962", "3.4335", "4") and study.metrics.places == {"track": -60.0}
+    assert study.values["amplitude"] == ("1.962", "3.4335", "4") and study.metrics.places == {"track": -60.0} and study.design is None
+    told = CliRunner().invoke(app, ["new", "--slope", "28,32", "--record", "A.csv", *several, "--design", "0.25g", "--out", "third"])
+    assert told.exit_code == 0, told.output
+    study = load_study(Path("third/study.yaml")).study
+    assert study.design == pytest.approx(0.25 * GRAVITY) and "2.4525" in study.values["amplitude"] and len(study.values["amplitude"]) == 4
 
 
 @pytest.mark.usefixtures("records")

@@ -109,6 +109,7 @@ def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
         ),
         ({"fidelity": "best"}, ("fidelity", "best", "draft, standard, paper, fine")),
         ({"grid": {"S_R": []}}, ("grid.S_R", "at least 1")),
+        ({"design": "0.25g"}, ("design: 0.25 g (2.453 m/s2)", "must be one of the amplitudes of the runs", "2 m/s2 (0.204 g)")),
         ({"grid": {"S_R": ["0.1", "0.10"]}}, ("grid", "S_R", "the same value twice")),
         ({"grid": {"gamma": ["fast"]}}, ("gamma = fast", "coupling.gamma", "valid number")),
         ({"grid": {"gamma": ["-1"]}}, ("gamma = -1", "coupling.gamma", "greater than or equal to 0")),
