@@ -100,7 +100,7 @@ def of_equilibrium(scene: Scene) -> list[Finding]:
     if equilibrium is None:
         return without_surface(scene, equilibrium)
     numbers = equilibrium_numbers(equilibrium) | within_cover(scene, equilibrium)
-    return [finding("limit-equilibrium", **numbers), *slip_at_base(scene, equilibrium)]
+    return [finding("limit-equilibrium", **numbers), *slip_at_base(scene, equilibrium), *probes_off_slide(scene, equilibrium)]
 
 
 def that_differ(scene: Scene, limits: Iterable[Finding]) -> list[Finding]:
@@ -160,6 +160,20 @@ def slip_at_base(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Fin
     reach: dict[str, Any] = {name: height for name, height in lowest.items() if height < scene.numerics.spacing}
     base = "geometry.base" if isinstance(scene.geometry, GroundLine) else "geometry.base_depth"
     return [finding("slip-at-base", base, "walls.bedrock", **reach)] if reach else []
+
+
+def probes_off_slide(scene: Scene, equilibrium: LimitEquilibrium | None) -> list[Finding]:
+    """The finding of a critical surface, Spencer's, on whose body no probe lies: runs are graded by what a probe does."""
+    if equilibrium is None or not equilibrium.spencer.x.size:
+        return []
+    geometry, surface = scene.geometry, equilibrium.spencer
+    assert isinstance(geometry, SLOPES)
+    edges = {"crest_edge": geometry.crest, "toe": geometry.toe}
+    at = [edges[place][0] if isinstance(place, str) else geometry.in_box(*place)[0] for place in scene.probes.values()]
+    if any(surface.x.min() <= x <= surface.x.max() for x in at):
+        return []
+    low, high = sorted(float(geometry.in_survey(float(surface.x[end]), float(surface.y[end]))[0]) for end in (0, -1))
+    return [finding("probes-off-slide", "probes", probes=", ".join(scene.probes), low=low, high=high)]
 
 
 def of_residual(scene: Scene) -> list[Finding]:

@@ -453,6 +453,11 @@ MESSAGES: dict[str, Message] = {
         _reaching,
         "to lie above the base, or end on stiff ground",
     ),
+    "probes-off-slide": warning(
+        "no probe lies on the body above the critical slip surface, so runs in which it slides alone may be graded as stable",
+        "{probes} beside it; the surface comes out at x = {low:.4g} m and {high:.4g} m",
+        "a probe between them, which metrics.probe of the study names",
+    ),
     "stability-unknown": note(
         lambda of: UNKNOWN[of["subject"]][0],
         lambda of: UNKNOWN[of["subject"]][1],

@@ -8,7 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sph
-from sph.checks.equilibrium import equilibrium_numbers, factor_below_1, found_equilibrium, slip_at_base, within_cover, without_surface
+from sph.checks.equilibrium import (
+    equilibrium_numbers,
+    factor_below_1,
+    found_equilibrium,
+    probes_off_slide,
+    slip_at_base,
+    within_cover,
+    without_surface,
+)
 from sph.checks.finding import Finding, called, finding
 from sph.checks.layers import Layer, layers_of, needed_rows, seam_rows
 from sph.checks.liquefaction import of_liquefaction
@@ -281,6 +289,7 @@ def check(scene: Scene) -> Check:
             *findings(scene, particles),
             *called(factor_below_1(scene, equilibrium), scene.soil.name),
             *slip_at_base(scene, equilibrium),
+            *probes_off_slide(scene, equilibrium),
             *without_surface(scene, equilibrium),
         ],
         key=lambda each: each.rank,

@@ -176,7 +176,7 @@ def failed_words(run: Run) -> str:
     shares = {name: float(stays[layer].mean()) for name, layer in layers.items() if layer.any()}
     told = [f"{100.0 * share:.0f} % of the {name.replace('_', ' ')}" for name, share in shares.items() if share > TOLD]
     said = [f"Has failed and moved by more than {MOVED:g} m: {', '.join(moves)}."] if moves else []
-    said += [f"Has reached its strength, but moved by less: {', '.join(told)}."] if told else []
+    said += [f"Has reached its strength for an instant at least, but moved by less: {', '.join(told)}."] if told else []
     return " ".join(said)
 
 

@@ -16,6 +16,7 @@ from sph.checks.equilibrium import (
     found_equilibrium,
     of_equilibrium,
     of_residual,
+    probes_off_slide,
     runs_away,
     slip_at_base,
     that_differ,
@@ -437,6 +438,29 @@ def test_a_slip_surface_that_ends_at_soil_which_goes_on_is_told(changes: dict[st
     found = slip_at_base(scene, found_equilibrium(scene))
     assert [each.code for each in found] == ["slip-at-base"] * told
     assert all(each.keys == ("geometry.base_depth", "walls.bedrock") for each in found)
+
+
+def test_a_slide_below_the_crest_edge_asks_for_a_probe_on_it() -> None:
+    """A cover that thins out towards the crest slides on the face alone."""
+    ground = [[0.0, 10.0], [20.0, 10.0], [60.0, 30.0], [110.0, 30.5]]
+    below = [[0.0, 7.5], [20.0, 7.5], [50.0, 22.5], [60.0, 30.0], [110.0, 30.5]]
+    strong = {"cohesion": 200.0, "friction_angle": 40.0}
+    data = {
+        "name": "face",
+        "scheme": "paper",
+        "duration": 3.0,
+        "geometry": {"shape": "ground_line", "points": ground, "base": 0.0},
+        "soil": {"cohesion": 3.0, "friction_angle": 28.0},
+        "layers": {"rock": {"region": {"kind": "below", "points": below}, "soil": strong}},
+        "numerics": {"spacing": 0.5, "smoothing_ratio": 1.3, "time_step": 1e-3},
+    }
+    scene = make_scene(data)
+    (found,) = probes_off_slide(scene, found_equilibrium(scene))
+    assert found.numbers["low"] < found.numbers["high"] < 60.0 and "a probe between them" in words(found).wanted
+    on_it = make_scene(data | {"probes": {"A": "crest_edge", "face": [40.0, 19.5]}})
+    assert probes_off_slide(on_it, found_equilibrium(on_it)) == []
+    plain = clay()
+    assert probes_off_slide(plain, found_equilibrium(plain)) == [] == probes_off_slide(plain, None)
 
 
 @pytest.mark.parametrize(
