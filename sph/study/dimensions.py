@@ -352,5 +352,5 @@ def dimension(name: str, labels: Iterable[str], scene: Scene) -> Dimension:
             extra: Any = field.json_schema_extra or {}
             unit, text = extra.get("unit", "-"), field.description or ""
         at = at.get(part) if isinstance(at, Mapping) else getattr(at, part, None)
-    turned = name == DIRECTION and {*labels} <= {*dict(DIRECTIONS)}
+    turned = name == DIRECTION and {"-1"} <= {*labels} <= {*dict(DIRECTIONS)}
     return Dimension(name, unit, text, not all(map(is_number, labels)), DIRECTIONS if turned else ())
