@@ -76,7 +76,7 @@ def test_a_cover_has_the_rows_that_its_run_out_needs(tmp_path: Path, monkeypatch
     assert scene.damping.frequencies[0] == pytest.approx(float(natural_frequencies(column_at(scene, scene.geometry.crest))[0]), rel=5e-3)  # type: ignore[union-attr]
     checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
     found = {each["code"] for each in json.loads(checked.stdout)["findings"] if each["severity"] != "note"}
-    assert found == {"soil-not-replaced", "cover-late"}, "fifteen rows would take some fifty times as long"
+    assert found == {"soil-not-replaced", "cover-late", "probes-off-slide"}, "fifteen rows would take some fifty times as long"
     assert scene.coupling.softening is not None and scene.coupling.softening.width == 2.0, "no soil beside it softens with it"
     assert scene.coupling.softening.width >= 3.0 * coarse.numerics.spacing
     thick = load_scene(written(Path("thick"), cover=6.0).scene)
